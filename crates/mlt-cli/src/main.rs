@@ -1,0 +1,2 @@
+//! `mlt`: stratified Metropolis light transport on the command line.
+fn main() {}

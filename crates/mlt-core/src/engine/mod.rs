@@ -1,0 +1,1 @@
+//! Stratified Metropolis sampling over an arbitrary state space.

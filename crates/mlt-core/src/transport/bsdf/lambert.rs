@@ -1,0 +1,33 @@
+//! Ideal diffuse reflection.
+
+use super::super::{Rgb, math::cosine_hemisphere};
+use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+
+/// f_s = ρ/π on either side of the surface.
+#[derive(Clone, Debug)]
+pub struct Lambert {
+    /// ρ ∈ [0, 1], reflected share of energy.
+    pub reflectance: Rgb,
+}
+
+impl Lambert {
+    /// ρ/π where both directions are on one side.
+    #[inline]
+    pub fn eval(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Rgb {
+        if n.dot(to_light) * n.dot(to_eye) > 0.0 { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
+    }
+
+    /// |cosθ|/π where both directions are on one side.
+    #[inline]
+    pub fn pdf(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+        let cos = n.dot(sampled);
+        if n.dot(given) * cos > 0.0 { cos.abs() * FRAC_1_PI } else { 0.0 }
+    }
+
+    /// Cosine-weighted on the side of `given`.
+    #[inline]
+    pub fn sample(&self, n: Vec3, given: Vec3, u: [f32; 3]) -> Option<Vec3> {
+        Some(cosine_hemisphere(n * 1f32.copysign(n.dot(given)), Vec2::new(u[0], u[1])))
+    }
+}

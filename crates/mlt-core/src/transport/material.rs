@@ -1,0 +1,16 @@
+//! What a surface does with light: scatters it, emits it.
+
+use super::{Rgb, bsdf::Bsdf};
+
+/// A surface's scattering and emission.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// Name in the scene file, for messages.
+    pub name: String,
+    /// Scattering.
+    pub bsdf: Bsdf,
+    /// Emitted radiance, uniform over the surface and over directions; zero: no light.
+    pub emission: Rgb,
+    /// Emits from the back as well as from the front.
+    pub emits_both_sides: bool,
+}

@@ -1,0 +1,1 @@
+//! Scenes for `mlt-core`: glTF 2.0, OBJ and the built-in ones.
