@@ -3,6 +3,7 @@
 pub mod accel;
 pub mod bsdf;
 pub mod camera;
+pub mod description;
 pub mod material;
 pub mod math;
 pub mod mesh;
