@@ -12,7 +12,7 @@
 
 use super::super::ray::Ray;
 use super::binary::MAX_COORDINATE;
-use super::simd::{InstructionSet, Lanes, Simd, prefetch, splat3};
+use super::simd::{InstructionSet, Lanes, Portable, Simd, prefetch, splat3};
 use super::watertight::Shear;
 use super::wide::{Child, Node, WideTree};
 use glam::Vec3;
@@ -63,11 +63,16 @@ fn normalised(ray: &Ray) -> Option<(Ray, f64)> {
 #[inline(always)]
 fn dispatch<const ANY: bool>(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> Option<Candidate> {
     match instructions {
-        InstructionSet::Portable(simd) => walk::<_, ANY>(simd, tree, ray),
+        InstructionSet::Portable(simd) => walk_portable::<ANY>(simd, tree, ray),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a value of `Avx2` exists only where the processor has all the features that the function enables.
         InstructionSet::Avx2(simd) => unsafe { walk_avx2::<ANY>(simd, tree, ray) },
     }
+}
+
+#[inline(never)]
+fn walk_portable<const ANY: bool>(simd: Portable, tree: &WideTree, ray: &Ray) -> Option<Candidate> {
+    walk::<_, ANY>(simd, tree, ray)
 }
 
 #[cfg(target_arch = "x86_64")]
