@@ -14,12 +14,21 @@
 //!   energy and P the probability of the event. So both subpaths' densities of one path have the same δ as factor, and
 //!   it cancels in every ratio.
 
+mod dielectric;
+pub mod fresnel;
 mod lambert;
+mod mirror;
+#[cfg(test)]
+mod tests;
+mod thin;
 
 use super::Rgb;
 use glam::Vec3;
 
+pub use dielectric::Dielectric;
 pub use lambert::Lambert;
+pub use mirror::Mirror;
+pub use thin::{Thin, slab_reflectance};
 
 /// One surface's scattering function.
 #[derive(Clone, Debug)]
@@ -28,15 +37,19 @@ pub enum Bsdf {
     Black,
     /// Ideal diffuse reflection from both sides.
     Lambert(Lambert),
+    /// Perfect mirror from both sides; delta.
+    Mirror(Mirror),
+    /// Smooth interface to a medium on the back side; delta.
+    Dielectric(Dielectric),
+    /// Smooth thin transparent wall; delta.
+    Thin(Thin),
 }
 
 impl Bsdf {
     /// Whether it scatters into discrete directions only.
     #[inline]
     pub fn is_delta(&self) -> bool {
-        match self {
-            Self::Black | Self::Lambert(_) => false,
-        }
+        matches!(self, Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_))
     }
 
     /// f_s(to_light → to_eye), sr⁻¹; a delta BSDF: the coefficient of δ.
@@ -45,6 +58,9 @@ impl Bsdf {
         match self {
             Self::Black => Rgb::ZERO,
             Self::Lambert(b) => b.eval(n, to_light, to_eye),
+            Self::Mirror(b) => b.eval(n, to_light, to_eye),
+            Self::Dielectric(b) => b.eval(n, to_light, to_eye),
+            Self::Thin(b) => b.eval(n, to_light, to_eye),
         }
     }
 
@@ -54,6 +70,9 @@ impl Bsdf {
         match self {
             Self::Black => 0.0,
             Self::Lambert(b) => b.pdf(n, given, sampled),
+            Self::Mirror(b) => b.pdf(n, given, sampled),
+            Self::Dielectric(b) => b.pdf(n, given, sampled),
+            Self::Thin(b) => b.pdf(n, given, sampled),
         }
     }
 
@@ -63,6 +82,32 @@ impl Bsdf {
         match self {
             Self::Black => None,
             Self::Lambert(b) => b.sample(n, given, u),
+            Self::Mirror(b) => b.delta_direction(n, given, false),
+            Self::Dielectric(b) => b.sample(n, given, u),
+            Self::Thin(b) => b.sample(n, given, u),
+        }
+    }
+
+    /// P, dimensionless, of the discrete event (reflection, transmission) that turns `given` into `sampled`, known from
+    /// the sides that they are on; 0 for a BSDF that is not delta.
+    #[inline]
+    pub fn event_probability(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+        match self {
+            Self::Mirror(b) => b.event_probability(n, given, sampled),
+            Self::Dielectric(b) => b.event_probability(n, given, sampled),
+            Self::Thin(b) => b.event_probability(n, given, sampled),
+            _ => 0.0,
+        }
+    }
+
+    /// The direction that a delta BSDF joins to `given` by reflection or by transmission; `None`: there is none.
+    #[inline]
+    pub fn delta_direction(&self, n: Vec3, given: Vec3, transmit: bool) -> Option<Vec3> {
+        match self {
+            Self::Mirror(b) => b.delta_direction(n, given, transmit),
+            Self::Dielectric(b) => b.delta_direction(n, given, transmit),
+            Self::Thin(b) => b.delta_direction(n, given, transmit),
+            _ => None,
         }
     }
 }
