@@ -5,6 +5,7 @@ pub mod bdpt;
 pub mod bsdf;
 pub mod camera;
 pub mod description;
+pub mod independent;
 pub mod light;
 pub mod lights;
 pub mod material;

@@ -4,9 +4,9 @@
 //!
 //! Source: [Veach97], section 9.3 (the two techniques of direct lighting, power heuristic).
 
+use super::Rgb;
 use super::path::View;
 use super::region::LightRegion;
-use super::Rgb;
 use super::vertex::Vertex;
 use crate::engine::{uniform, uniform_f32};
 use glam::{DVec3, Vec2, Vec3};

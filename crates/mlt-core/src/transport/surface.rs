@@ -38,6 +38,19 @@ impl Scene {
         cosines(vertex, sampled).map(|_| sampled)
     }
 
+    /// The direction that a delta BSDF joins to `given` by reflection or by transmission.
+    #[inline]
+    pub fn delta_direction(&self, vertex: &Vertex, given: Vec3, transmit: bool) -> Option<Vec3> {
+        let direction = self.material(vertex).bsdf.delta_direction(vertex.shading_normal, given, transmit)?;
+        cosines(vertex, direction).map(|_| direction)
+    }
+
+    /// Probability with which a delta BSDF's sampling chooses the event that joins the two directions.
+    #[inline]
+    pub fn event_probability(&self, vertex: &Vertex, given: Vec3, sampled: Vec3) -> f32 {
+        self.material(vertex).bsdf.event_probability(vertex.shading_normal, given, sampled)
+    }
+
     /// Draws the direction that a light subpath starts into, with density cosθ/π, or half that on each of two sides.
     #[inline]
     pub(super) fn sample_emission(&self, vertex: &Vertex, rng: &mut impl Rng) -> Vec3 {

@@ -62,9 +62,11 @@ impl BidirectionalMutation<'_> {
         edit.copy_kept(current, proposal);
         self.trace(proposal, &edit, split, within.region(), rng)?;
         let power = within.region().power();
-        let there = edit.probability(current.vertices.len(), within.max_edges()) * edit.density(&proposal.vertices, power);
+        let there =
+            edit.probability(current.vertices.len(), within.max_edges()) * edit.density(&proposal.vertices, power);
         let undo = edit.undo();
-        let back = undo.probability(proposal.vertices.len(), within.max_edges()) * undo.density(&current.vertices, power);
+        let back =
+            undo.probability(proposal.vertices.len(), within.max_edges()) * undo.density(&current.vertices, power);
         Some(back / there)
     }
 
@@ -117,7 +119,8 @@ impl Edit {
         let deletions: f64 = (0..n).map(deletion_weight).sum();
         let most = self.deleted + CHANGE.len();
         let additions: f64 = (0..most).map(|added| Self { added, ..*self }.addition_weight(max_edges)).sum();
-        deletion_weight(self.deleted) / deletions / (n - self.deleted) as f64 * self.addition_weight(max_edges) / additions
+        deletion_weight(self.deleted) / deletions / (n - self.deleted) as f64 * self.addition_weight(max_edges)
+            / additions
     }
 
     /// P(a | d) without its normalisation: 0 for a path of less than an edge or of too many, and for no change at all.
