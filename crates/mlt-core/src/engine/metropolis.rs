@@ -41,6 +41,8 @@ pub struct Metropolis<'a, P, S, M, I> {
     pub importance: &'a I,
     /// Key of all random streams.
     pub seed: u64,
+    /// What the calling thread has spent so far, in a unit of the user's choice: rays, say.
+    pub work: fn() -> u64,
 }
 
 /// Counts of a render, one entry a stratum.
@@ -48,6 +50,8 @@ pub struct Metropolis<'a, P, S, M, I> {
 pub struct Tally {
     /// In the order of the strata.
     pub strata: Vec<StratumStats>,
+    /// Work, in the unit of [`Metropolis::work`].
+    pub work: u64,
 }
 
 impl Tally {
@@ -64,6 +68,7 @@ pub struct Prepared {
     round: u64,
     bootstraps: Vec<Bootstrap>,
     chains: Vec<ChainTask>,
+    work: u64,
 }
 
 /// One chain: its stratum, number, first sample and length.
@@ -86,20 +91,26 @@ where
     }
 
     /// The independent samples of all strata, in blocks so that one large stratum keeps all threads busy.
-    fn bootstraps(&self, round: u64) -> Vec<Bootstrap> {
+    /// With them: the work they took.
+    fn bootstraps(&self, round: u64) -> (Vec<Bootstrap>, u64) {
         let blocks: Vec<_> = (self.shares.iter().enumerate())
             .flat_map(|(j, share)| (0..share.samples).step_by(BOOTSTRAP_BLOCK as usize).map(move |first| (j, first)))
             .collect();
-        let weigh = |&(j, first): &(usize, u64)| -> Vec<f64> {
+        let weigh = |&(j, first): &(usize, u64)| -> (Vec<f64>, u64) {
+            let before = (self.work)();
             let last = self.shares[j].samples.min(first + BOOTSTRAP_BLOCK);
-            (first..last).map(|i| self.key(round, j, i).weight(&self.strata[j], self.importance)).collect()
+            let key = |i| self.key(round, j, i);
+            let weights = (first..last).map(|i| key(i).weight(&self.strata[j], self.importance)).collect();
+            (weights, (self.work)() - before)
         };
-        let mut weighed = blocks.par_iter().map(weigh).collect::<Vec<_>>().into_iter();
+        let weighed: Vec<_> = blocks.par_iter().map(weigh).collect();
+        let work = weighed.iter().map(|(_, work)| work).sum();
+        let mut weighed = weighed.into_iter().map(|(weights, _)| weights);
         let gather = |share: &Share| {
             let blocks = share.samples.div_ceil(BOOTSTRAP_BLOCK) as usize;
             Bootstrap::new(weighed.by_ref().take(blocks).flatten().collect())
         };
-        self.shares.iter().map(gather).collect()
+        (self.shares.iter().map(gather).collect(), work)
     }
 
     /// Chains of equal length with starts drawn from the stratum's bootstrap.
@@ -129,9 +140,9 @@ where
     type Tally = Tally;
 
     fn prepare(&self, round: u64) -> Prepared {
-        let bootstraps = self.bootstraps(round);
+        let (bootstraps, work) = self.bootstraps(round);
         let chains = bootstraps.iter().enumerate().flat_map(|(j, b)| self.chains(round, j, b)).collect();
-        Prepared { round, bootstraps, chains }
+        Prepared { round, bootstraps, chains, work }
     }
 
     fn tasks(&self, prepared: &Prepared) -> usize {
@@ -144,6 +155,7 @@ where
     }
 
     fn run(&self, prepared: &Prepared, task: usize, deposits: &mut Deposits<C>) -> Tally {
+        let before = (self.work)();
         let ChainTask { stratum, index, start, mutations } = prepared.chains[task];
         let stream = |purpose| generator(self.seed, purpose, prepared.round, stratum as u64, index);
         let start = self.key(prepared.round, stratum, start).pick(
@@ -154,13 +166,13 @@ where
         let chain = start.and_then(|x| Chain::new(self.mixture, self.importance, &self.strata[stratum], x));
         let scale = prepared.bootstraps[stratum].b() / self.shares[stratum].mutations as f64;
         let mut rng: Generator = stream(Purpose::Chain);
-        let mut tally = Tally { strata: vec![StratumStats::default()] };
+        let mut stats = StratumStats::default();
         if let Some(mut chain) = chain {
             (0..mutations).for_each(|_| chain.step(deposits, scale, &mut rng));
             chain.flush(deposits, scale);
-            tally.strata[0] = chain.into_stats();
+            stats = chain.into_stats();
         }
-        tally
+        Tally { strata: vec![stats], work: (self.work)() - before }
     }
 
     fn weight(&self, _round: u64) -> u64 {
@@ -169,6 +181,7 @@ where
 
     fn tally(&self, total: &mut Tally, prepared: Prepared, tasks: Vec<Tally>) {
         total.strata.resize_with(self.strata.len(), || StratumStats::new(self.mixture.mutations().len()));
+        total.work += prepared.work + tasks.iter().map(|t| t.work).sum::<u64>();
         for (chain, tally) in prepared.chains.iter().zip(tasks) {
             total.strata[chain.stratum].merge(&tally.strata[0]);
         }
