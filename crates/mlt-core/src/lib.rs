@@ -87,6 +87,7 @@
 //! ```
 
 pub mod engine;
+pub mod measure;
 #[cfg(feature = "transport")]
 pub mod transport;
 

@@ -25,7 +25,7 @@ pub enum SceneError {
         source: io::Error,
     },
     /// A folder, a device or a pipe.
-    #[error("{path}: not a regular file; give the path of a scene file")]
+    #[error("{path}: not a regular file; name a file and no folder or device")]
     NotAFile {
         /// The path.
         path: PathBuf,

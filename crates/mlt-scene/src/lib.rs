@@ -17,6 +17,7 @@ mod geometry;
 mod gltf_file;
 mod guard;
 mod metallic_roughness;
+mod obj_file;
 mod source;
 
 use mlt_core::transport::description::SceneDescription;
@@ -44,6 +45,7 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let parse = match extension.as_deref() {
         Some("gltf" | "glb") => gltf_file::load,
+        Some("obj") => obj_file::load,
         _ => return Err(SceneError::UnknownFormat { path: path.to_owned() }),
     };
     guard::catch(|| parse(&source)).unwrap_or_else(|reason| Err(SceneError::Parser { path: path.to_owned(), reason }))

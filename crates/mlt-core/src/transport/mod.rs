@@ -17,6 +17,7 @@ pub mod path;
 pub mod pt;
 pub mod ray;
 pub mod region;
+pub mod render;
 pub mod scene;
 mod space;
 pub mod strata;

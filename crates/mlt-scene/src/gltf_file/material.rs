@@ -1,7 +1,7 @@
 //! glTF's materials.
 
 use super::unsupported;
-use crate::metallic_roughness::MetallicRoughness;
+use crate::metallic_roughness::{MetallicRoughness, Range};
 use gltf::Document;
 use mlt_core::transport::{Rgb, material::Material};
 use std::collections::BTreeSet;
@@ -24,34 +24,28 @@ pub(super) fn materials(document: &Document, used: &BTreeSet<usize>, warnings: &
 
 fn material(index: usize, source: &gltf::Material, warnings: &mut Vec<String>) -> Material {
     let name = source.name().map_or_else(|| format!("material {index}"), str::to_owned);
-    let mut change = |what: &str, value: f32, range: [f32; 2]| {
-        let clamped = if value.is_nan() { range[0] } else { value.clamp(range[0], range[1]) };
-        if clamped != value {
-            warnings.push(format!("material `{name}`: {what} is {value}; {clamped} is taken instead"));
-        }
-        clamped
-    };
+    let mut range = Range { material: &name, warnings };
     let strength = source.emissive_strength().unwrap_or(1.0);
-    let emission = source.emissive_factor().map(|c| change("a component of the emission", c * strength, [0.0, 1e12]));
-    let bsdf = parameters(source, &mut change).bsdf();
-    Material { bsdf, emission: Rgb::from_array(emission), emits_both_sides: source.double_sided(), name }
+    let emission = range.colour("the emission", strength * Rgb::from_array(source.emissive_factor()), 1e12);
+    let bsdf = parameters(source, &mut range).bsdf();
+    Material { name, bsdf, emission, emits_both_sides: source.double_sided() }
 }
 
-/// The surface's parameters, each made to lie in its range by `within`.
-fn parameters(source: &gltf::Material, mut within: impl FnMut(&str, f32, [f32; 2]) -> f32) -> MetallicRoughness {
+fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
     const SHARE: [f32; 2] = [0.0, 1.0];
     let pbr = source.pbr_metallic_roughness();
-    let [r, g, b, _] = pbr.base_color_factor().map(|c| within("a component of the base colour", c, SHARE));
+    let [r, g, b, _] = pbr.base_color_factor();
     let specular = source.specular();
-    let tint = specular.as_ref().map_or([1.0; 3], |s| s.specular_color_factor());
+    let specular_color = specular.as_ref().map_or([1.0; 3], |s| s.specular_color_factor());
+    let transmission = source.transmission().map_or(0.0, |t| t.transmission_factor());
     MetallicRoughness {
-        base_color: Rgb::new(r, g, b),
-        metallic: within("the metallic factor", pbr.metallic_factor(), SHARE),
-        roughness: within("the roughness", pbr.roughness_factor(), SHARE),
-        ior: within("the index of refraction", source.ior().unwrap_or(1.5), [1.0, 100.0]),
-        specular: within("the specular factor", specular.map_or(1.0, |s| s.specular_factor()), SHARE),
-        specular_color: Rgb::from_array(tint.map(|c| within("a component of the specular colour", c, [0.0, 1e6]))),
-        transmission: within("the transmission", source.transmission().map_or(0.0, |t| t.transmission_factor()), SHARE),
+        base_color: range.colour("the base colour", Rgb::new(r, g, b), 1.0),
+        metallic: range.number("the metallic factor", pbr.metallic_factor(), SHARE),
+        roughness: range.number("the roughness", pbr.roughness_factor(), SHARE),
+        ior: range.number("the index of refraction", source.ior().unwrap_or(1.5), [1.0, 100.0]),
+        specular: range.number("the specular factor", specular.map_or(1.0, |s| s.specular_factor()), SHARE),
+        specular_color: range.colour("the specular colour", Rgb::from_array(specular_color), 1e6),
+        transmission: range.number("the transmission", transmission, SHARE),
         thin: source.volume().is_none(),
     }
 }

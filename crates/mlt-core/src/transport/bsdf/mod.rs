@@ -14,10 +14,17 @@
 //!   energy and P the probability of the event. So both subpaths' densities of one path have the same δ as factor, and
 //!   it cancels in every ratio.
 
+mod conductor;
 mod dielectric;
 pub mod fresnel;
+mod glossy;
 mod lambert;
+mod metallic_roughness;
+pub mod microfacet;
 mod mirror;
+mod mix;
+mod rough_dielectric;
+mod rough_thin;
 #[cfg(test)]
 mod tests;
 mod thin;
@@ -25,9 +32,15 @@ mod thin;
 use super::Rgb;
 use glam::Vec3;
 
+pub use conductor::Conductor;
 pub use dielectric::Dielectric;
+pub use glossy::Glossy;
 pub use lambert::Lambert;
+pub use metallic_roughness::{MIXED_ALPHA, MetallicRoughness, SMOOTH_ALPHA};
 pub use mirror::Mirror;
+pub use mix::Mix;
+pub use rough_dielectric::RoughDielectric;
+pub use rough_thin::RoughThin;
 pub use thin::{Thin, slab_reflectance};
 
 /// One surface's scattering function.
@@ -43,6 +56,16 @@ pub enum Bsdf {
     Dielectric(Dielectric),
     /// Smooth thin transparent wall; delta.
     Thin(Thin),
+    /// Rough metal from both sides.
+    Conductor(Conductor),
+    /// Dielectric coat over a diffuse base, from both sides.
+    Glossy(Glossy),
+    /// Rough interface to a medium on the back side.
+    RoughDielectric(RoughDielectric),
+    /// Rough thin transparent wall.
+    RoughThin(RoughThin),
+    /// Blend of two that are not delta.
+    Mix(Box<Mix>),
 }
 
 impl Bsdf {
@@ -61,6 +84,11 @@ impl Bsdf {
             Self::Mirror(b) => b.eval(n, to_light, to_eye),
             Self::Dielectric(b) => b.eval(n, to_light, to_eye),
             Self::Thin(b) => b.eval(n, to_light, to_eye),
+            Self::Conductor(b) => b.eval(n, to_light, to_eye),
+            Self::Glossy(b) => b.eval(n, to_light, to_eye),
+            Self::RoughDielectric(b) => b.eval(n, to_light, to_eye),
+            Self::RoughThin(b) => b.eval(n, to_light, to_eye),
+            Self::Mix(b) => b.eval(n, to_light, to_eye),
         }
     }
 
@@ -73,6 +101,11 @@ impl Bsdf {
             Self::Mirror(b) => b.pdf(n, given, sampled),
             Self::Dielectric(b) => b.pdf(n, given, sampled),
             Self::Thin(b) => b.pdf(n, given, sampled),
+            Self::Conductor(b) => b.pdf(n, given, sampled),
+            Self::Glossy(b) => b.pdf(n, given, sampled),
+            Self::RoughDielectric(b) => b.pdf(n, given, sampled),
+            Self::RoughThin(b) => b.pdf(n, given, sampled),
+            Self::Mix(b) => b.pdf(n, given, sampled),
         }
     }
 
@@ -85,6 +118,11 @@ impl Bsdf {
             Self::Mirror(b) => b.delta_direction(n, given, false),
             Self::Dielectric(b) => b.sample(n, given, u),
             Self::Thin(b) => b.sample(n, given, u),
+            Self::Conductor(b) => b.sample(n, given, u),
+            Self::Glossy(b) => b.sample(n, given, u),
+            Self::RoughDielectric(b) => b.sample(n, given, u),
+            Self::RoughThin(b) => b.sample(n, given, u),
+            Self::Mix(b) => b.sample(n, given, u),
         }
     }
 
