@@ -18,6 +18,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`engine`] | Metropolis sampling of any state space, as traits. It knows no vector, no scene, no light. |
+//! | [`measure`] | Measures of the error of an image against a reference. |
 //! | `transport` | A renderer that is one user of those traits (feature `transport`, on by default). |
 //!
 //! In [`engine`]: what you bring ([`Path`](engine::Path), [`Importance`](engine::Importance),
