@@ -6,5 +6,6 @@
 //! * [`transport`]: a renderer that is one user of those traits (feature `transport`).
 
 pub mod engine;
+pub mod measure;
 #[cfg(feature = "transport")]
 pub mod transport;

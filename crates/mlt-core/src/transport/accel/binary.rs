@@ -1,0 +1,94 @@
+//! The binary tree, built by obvhs.
+
+use super::Quality;
+use glam::{Vec3, Vec3A};
+use obvhs::{Boundable, BvhBuildParams, aabb::Aabb, bvh2::builder::build_bvh2};
+use rayon::prelude::*;
+use std::time::Duration;
+
+/// Largest usable coordinate: products of two differences still fit into an f32.
+pub const MAX_COORDINATE: f32 = 1e18;
+
+/// A node of the binary tree; index 0 is the root.
+#[derive(Clone, Copy, Debug)]
+pub struct BinaryNode {
+    /// Smallest corner of the bounding box.
+    pub min: Vec3,
+    /// Largest corner.
+    pub max: Vec3,
+    /// What lies inside.
+    pub content: Content,
+}
+
+/// What a binary node holds.
+#[derive(Clone, Copy, Debug)]
+pub enum Content {
+    /// One triangle, as an index into the caller's array.
+    Triangle(u32),
+    /// Two nodes, at this index and the next.
+    Children(u32),
+}
+
+impl BinaryNode {
+    /// Half the surface of the box, to which the chance that a random ray meets it is proportional.
+    pub fn half_area(&self) -> f32 {
+        let d = self.max - self.min;
+        d.x * d.y + d.y * d.z + d.z * d.x
+    }
+}
+
+/// Indices, ascending, of the triangles that can be hit: finite, and the first of those with the same three vertices.
+///
+/// Leaving out repeats changes no answer, for the smaller index wins a tie; it spares the builder a pile of boxes
+/// that no plane separates, on which it takes quadratic time.
+pub fn usable(triangles: &[[Vec3; 3]]) -> Vec<u32> {
+    let in_range = |t: &[Vec3; 3]| t.iter().all(|v| v.abs().cmple(Vec3::splat(MAX_COORDINATE)).all());
+    let mut keyed: Vec<_> =
+        triangles.par_iter().enumerate().filter(|(_, t)| in_range(t)).map(|(i, t)| (vertex_set(t), i as u32)).collect();
+    keyed.par_sort_unstable();
+    keyed.dedup_by_key(|(key, _)| *key);
+    let mut indices: Vec<u32> = keyed.into_iter().map(|(_, index)| index).collect();
+    indices.par_sort_unstable();
+    indices
+}
+
+/// The vertices' bits in an order of their own, so that equal sets have equal keys; adding zero makes −0 a +0.
+fn vertex_set(triangle: &[Vec3; 3]) -> [[u32; 3]; 3] {
+    let mut key = triangle.map(|v| (v + Vec3::ZERO).to_array().map(f32::to_bits));
+    key.sort_unstable();
+    key
+}
+
+struct Bounded<'a>(&'a [Vec3; 3]);
+
+impl Boundable for Bounded<'_> {
+    fn aabb(&self) -> Aabb {
+        let [a, b, c] = self.0.map(Vec3A::from);
+        Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
+    }
+}
+
+/// A binary tree over the triangles that `indices` names; empty if it names none.
+pub fn build(triangles: &[[Vec3; 3]], indices: &[u32], quality: Quality) -> Vec<BinaryNode> {
+    let preset = match quality {
+        Quality::Fast => BvhBuildParams::fastest_build(),
+        Quality::Medium => BvhBuildParams::medium_build(),
+        Quality::High => BvhBuildParams::very_slow_build(),
+    };
+    // One triangle a leaf: the collapse decides how many share a leaf. Splitting triangles gains nothing measurable.
+    let params = BvhBuildParams { max_prims_per_leaf: 1, pre_split: false, ..preset };
+    let bounded: Vec<_> = indices.iter().map(|&i| Bounded(&triangles[i as usize])).collect();
+    let bvh = build_bvh2(&bounded, params, &mut Duration::default());
+    let original = |slot: u32| indices[bvh.primitive_indices[slot as usize] as usize];
+    bvh.nodes
+        .iter()
+        .map(|node| BinaryNode {
+            min: node.aabb().min.into(),
+            max: node.aabb().max.into(),
+            content: match node.is_leaf() {
+                true => Content::Triangle(original(node.first_index)),
+                false => Content::Children(node.first_index),
+            },
+        })
+        .collect()
+}

@@ -1,0 +1,190 @@
+//! Eight floats at a time: AVX2, or a portable twin with the same bits.
+//!
+//! An instruction set is a value of a type that implements [`Simd`]. A value of [`Avx2`] exists only where the processor
+//! has the instructions, so having one is the proof that calling them is sound. Where AVX2 fuses a multiplication and
+//! an addition, [`Portable`] calls [`f32::mul_add`]; min and max follow x86 (the second operand if either is NaN).
+#![allow(unsafe_code)]
+
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::*;
+
+/// Eight floats in memory.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug)]
+pub struct Lanes(pub [f32; 8]);
+
+/// Arithmetic on eight lanes; every operation but the fused ones rounds once a lane.
+pub trait Simd: Copy {
+    /// Eight floats in a register.
+    type Floats: Copy;
+    /// Eight truth values.
+    type Mask: Copy;
+
+    /// x in every lane.
+    fn splat(self, x: f32) -> Self::Floats;
+    /// From memory.
+    fn load(self, lanes: &Lanes) -> Self::Floats;
+    /// To memory.
+    fn store(self, a: Self::Floats) -> Lanes;
+    /// a + b
+    fn add(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// a − b
+    fn sub(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// a · b
+    fn mul(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// a / b
+    fn div(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// a < b ? a : b
+    fn min(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// a > b ? a : b
+    fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
+    /// a · b + c, fused
+    fn mul_add(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
+    /// a · b − c, fused
+    fn mul_sub(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
+    /// c − a · b, fused
+    fn neg_mul_add(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
+    /// a < b, false for NaN
+    fn lt(self, a: Self::Floats, b: Self::Floats) -> Self::Mask;
+    /// a ≤ b, false for NaN
+    fn le(self, a: Self::Floats, b: Self::Floats) -> Self::Mask;
+    /// Both.
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Either.
+    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Lane i's truth in bit i.
+    fn bits(self, mask: Self::Mask) -> u32;
+}
+
+/// Plain Rust.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable;
+
+#[inline(always)]
+fn each(f: impl Fn(usize) -> f32) -> Lanes {
+    Lanes(std::array::from_fn(f))
+}
+
+#[inline(always)]
+fn where_true(f: impl Fn(usize) -> bool) -> u32 {
+    (0..8).fold(0, |bits, i| bits | u32::from(f(i)) << i)
+}
+
+#[rustfmt::skip]
+impl Simd for Portable {
+    type Floats = Lanes;
+    type Mask = u32;
+
+    fn splat(self, x: f32) -> Lanes { Lanes([x; 8]) }
+    fn load(self, lanes: &Lanes) -> Lanes { *lanes }
+    fn store(self, a: Lanes) -> Lanes { a }
+    fn add(self, a: Lanes, b: Lanes) -> Lanes { each(|i| a.0[i] + b.0[i]) }
+    fn sub(self, a: Lanes, b: Lanes) -> Lanes { each(|i| a.0[i] - b.0[i]) }
+    fn mul(self, a: Lanes, b: Lanes) -> Lanes { each(|i| a.0[i] * b.0[i]) }
+    fn div(self, a: Lanes, b: Lanes) -> Lanes { each(|i| a.0[i] / b.0[i]) }
+    fn min(self, a: Lanes, b: Lanes) -> Lanes { each(|i| if a.0[i] < b.0[i] { a.0[i] } else { b.0[i] }) }
+    fn max(self, a: Lanes, b: Lanes) -> Lanes { each(|i| if a.0[i] > b.0[i] { a.0[i] } else { b.0[i] }) }
+    fn mul_add(self, a: Lanes, b: Lanes, c: Lanes) -> Lanes { each(|i| a.0[i].mul_add(b.0[i], c.0[i])) }
+    fn mul_sub(self, a: Lanes, b: Lanes, c: Lanes) -> Lanes { each(|i| a.0[i].mul_add(b.0[i], -c.0[i])) }
+    fn neg_mul_add(self, a: Lanes, b: Lanes, c: Lanes) -> Lanes { each(|i| (-a.0[i]).mul_add(b.0[i], c.0[i])) }
+    fn lt(self, a: Lanes, b: Lanes) -> u32 { where_true(|i| a.0[i] < b.0[i]) }
+    fn le(self, a: Lanes, b: Lanes) -> u32 { where_true(|i| a.0[i] <= b.0[i]) }
+    fn and(self, a: u32, b: u32) -> u32 { a & b }
+    fn or(self, a: u32, b: u32) -> u32 { a | b }
+    fn bits(self, mask: u32) -> u32 { mask }
+}
+
+/// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy, Debug)]
+pub struct Avx2(());
+
+#[cfg(target_arch = "x86_64")]
+impl Avx2 {
+    /// Asks the processor.
+    fn detect() -> Option<Self> {
+        let all = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
+        all.then_some(Self(()))
+    }
+}
+
+/// Methods that are one expression of intrinsics each.
+#[cfg(target_arch = "x86_64")]
+macro_rules! intrinsics {
+    ($($name:ident($($arg:ident: $kind:ty),*) -> $out:ty = $body:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, $($arg: $kind),*) -> $out {
+            // SAFETY: `self` proves that the processor has the instructions. The two that touch memory are given
+            // a `Lanes`, which is 32 bytes long and 32-byte aligned.
+            unsafe { $body }
+        }
+    )*};
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Simd for Avx2 {
+    type Floats = __m256;
+    type Mask = __m256;
+
+    intrinsics! {
+        splat(x: f32) -> __m256 = _mm256_set1_ps(x);
+        load(lanes: &Lanes) -> __m256 = _mm256_load_ps(lanes.0.as_ptr());
+        store(a: __m256) -> Lanes = {
+            let mut lanes = Lanes([0.0; 8]);
+            _mm256_store_ps(lanes.0.as_mut_ptr(), a);
+            lanes
+        };
+        add(a: __m256, b: __m256) -> __m256 = _mm256_add_ps(a, b);
+        sub(a: __m256, b: __m256) -> __m256 = _mm256_sub_ps(a, b);
+        mul(a: __m256, b: __m256) -> __m256 = _mm256_mul_ps(a, b);
+        div(a: __m256, b: __m256) -> __m256 = _mm256_div_ps(a, b);
+        min(a: __m256, b: __m256) -> __m256 = _mm256_min_ps(a, b);
+        max(a: __m256, b: __m256) -> __m256 = _mm256_max_ps(a, b);
+        mul_add(a: __m256, b: __m256, c: __m256) -> __m256 = _mm256_fmadd_ps(a, b, c);
+        mul_sub(a: __m256, b: __m256, c: __m256) -> __m256 = _mm256_fmsub_ps(a, b, c);
+        neg_mul_add(a: __m256, b: __m256, c: __m256) -> __m256 = _mm256_fnmadd_ps(a, b, c);
+        lt(a: __m256, b: __m256) -> __m256 = _mm256_cmp_ps::<_CMP_LT_OQ>(a, b);
+        le(a: __m256, b: __m256) -> __m256 = _mm256_cmp_ps::<_CMP_LE_OQ>(a, b);
+        and(a: __m256, b: __m256) -> __m256 = _mm256_and_ps(a, b);
+        or(a: __m256, b: __m256) -> __m256 = _mm256_or_ps(a, b);
+        bits(mask: __m256) -> u32 = _mm256_movemask_ps(mask) as u32;
+    }
+}
+
+/// The instruction set that a query uses, chosen once.
+#[derive(Clone, Copy, Debug)]
+pub enum InstructionSet {
+    /// Any processor.
+    Portable(Portable),
+    /// x86-64 since 2013.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+}
+
+impl InstructionSet {
+    /// The best that this processor has.
+    pub fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = Avx2::detect() {
+            return Self::Avx2(avx2);
+        }
+        Self::Portable(Portable)
+    }
+}
+
+/// Asks for the cache lines of `items[index]`; only a hint, so any index will do.
+#[inline(always)]
+pub fn prefetch<T>(items: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    for line in 0..size_of::<T>() / 64 {
+        // SAFETY: SSE is part of x86-64, and prefetching reads nothing that a program can see, at any address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast::<i8>().wrapping_add(64 * line)) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (items, index);
+}

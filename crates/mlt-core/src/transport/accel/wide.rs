@@ -1,0 +1,123 @@
+//! Memory layout of the 8-wide tree.
+
+use super::simd::Lanes;
+use glam::Vec3;
+
+/// Boxes in a node, triangles in a block.
+pub const WIDTH: usize = 8;
+
+/// Eight boxes and what they hold: four cache lines.
+#[repr(C, align(64))]
+#[derive(Clone)]
+pub struct Node {
+    /// Planes of the boxes: x min, x max, y min, y max, z min, z max. An unused lane is an inside-out box.
+    pub planes: [Lanes; 6],
+    /// What each box holds.
+    pub children: [Child; WIDTH],
+}
+
+const _: () = assert!(size_of::<Node>() == 256);
+
+impl Node {
+    /// A node with eight unused lanes.
+    pub const EMPTY: Self = {
+        let (min, max) = (Lanes([f32::INFINITY; WIDTH]), Lanes([f32::NEG_INFINITY; WIDTH]));
+        Self { planes: [min, max, min, max, min, max], children: [Child(0); WIDTH] }
+    };
+
+    /// Puts a box into a lane.
+    pub fn set(&mut self, lane: usize, min: Vec3, max: Vec3, child: Child) {
+        for axis in 0..3 {
+            self.planes[2 * axis].0[lane] = min[axis];
+            self.planes[2 * axis + 1].0[lane] = max[axis];
+        }
+        self.children[lane] = child;
+    }
+}
+
+/// An inner node (its index), or a leaf: the top bit, the index of its first block × 8, its number of blocks − 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Child(pub u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+
+    /// Refers to `nodes[index]`.
+    pub fn inner(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    /// Refers to `count` ≤ 8 blocks from `blocks[first]` on.
+    pub fn leaf(first: usize, count: usize) -> Self {
+        Self(Self::LEAF | (first as u32) << 3 | (count as u32 - 1))
+    }
+
+    /// Whether it refers to blocks.
+    #[inline(always)]
+    pub fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    /// Index of the node.
+    #[inline(always)]
+    pub fn node(self) -> usize {
+        self.0 as usize
+    }
+
+    /// Index of the leaf's first block.
+    #[inline(always)]
+    pub fn first_block(self) -> usize {
+        ((self.0 & !Self::LEAF) >> 3) as usize
+    }
+
+    /// Indices of the leaf's blocks.
+    #[inline(always)]
+    pub fn blocks(self) -> std::ops::Range<usize> {
+        self.first_block()..self.first_block() + (self.0 & 7) as usize + 1
+    }
+}
+
+/// Eight triangles, vertex by vertex, axis by axis; an unused lane is NaN, which no ray hits.
+#[repr(C, align(64))]
+#[derive(Clone)]
+pub struct TriangleBlock {
+    /// Coordinates: `vertices[vertex][axis]`.
+    pub vertices: [[Lanes; 3]; 3],
+    /// Index of each triangle in the caller's array.
+    pub primitives: [u32; WIDTH],
+}
+
+const _: () = assert!(size_of::<TriangleBlock>() == 320);
+
+impl TriangleBlock {
+    /// Packs the triangles that at most eight `primitives` name.
+    pub fn new(primitives: &[u32], triangles: &[[Vec3; 3]]) -> Self {
+        let mut block = Self { vertices: [[Lanes([f32::NAN; WIDTH]); 3]; 3], primitives: [u32::MAX; WIDTH] };
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            for (vertex, position) in triangles[primitive as usize].iter().enumerate() {
+                for axis in 0..3 {
+                    block.vertices[vertex][axis].0[lane] = position[axis];
+                }
+            }
+            block.primitives[lane] = primitive;
+        }
+        block
+    }
+
+    /// One lane's triangle.
+    pub fn triangle(&self, lane: usize) -> [Vec3; 3] {
+        self.vertices.each_ref().map(|v| Vec3::new(v[0].0[lane], v[1].0[lane], v[2].0[lane]))
+    }
+}
+
+/// An 8-wide tree; `nodes[0]` is the root and always there.
+pub struct WideTree {
+    /// Inner nodes.
+    pub nodes: Vec<Node>,
+    /// The leaves' triangles.
+    pub blocks: Vec<TriangleBlock>,
+    /// Entries that a depth-first walk needs room for.
+    pub stack_size: usize,
+    /// Largest absolute coordinate of any box, for the error bound of the box test.
+    pub max_coordinate: f32,
+}
