@@ -323,3 +323,22 @@ fn a_small_file_cannot_ask_for_much_memory() {
     let crowd = crowd.with("/scenes/0/nodes", (2..500).collect::<Vec<_>>().into());
     assert!(crowd.error().contains("corners of the scene so far exceed the limit"));
 }
+
+#[test]
+fn glass_is_solid_with_a_volume_and_thin_without() {
+    let glass = |extensions: Value| {
+        let pbr = json!({ "metallicFactor": 0, "roughnessFactor": 0 });
+        let material = json!({ "pbrMetallicRoughness": pbr, "extensions": extensions });
+        let loaded = Document::new().with("/materials/0", material).loaded();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        loaded.description.materials[0].bsdf.clone()
+    };
+    let clear = json!({ "transmissionFactor": 1 });
+    let thin = glass(json!({ "KHR_materials_transmission": clear }));
+    assert!(matches!(thin, Bsdf::Thin(_)));
+    let solid =
+        json!({ "KHR_materials_transmission": clear, "KHR_materials_volume": {}, "KHR_materials_ior": { "ior": 1.7 } });
+    assert!(matches!(glass(solid), Bsdf::Dielectric(d) if d.ior == 1.7));
+    let mirror = Document::new().with("/materials/0/pbrMetallicRoughness", json!({ "roughnessFactor": 0 })).loaded();
+    assert!(matches!(mirror.description.materials[0].bsdf, Bsdf::Mirror(_)));
+}

@@ -1,9 +1,9 @@
 //! glTF's materials.
 
 use super::unsupported;
-use crate::metallic_roughness::{MetallicRoughness, Range};
+use crate::range::Range;
 use gltf::Document;
-use mlt_core::transport::{Rgb, material::Material};
+use mlt_core::transport::{Rgb, bsdf::MetallicRoughness, material::Material};
 use std::collections::BTreeSet;
 
 /// Every material of the document, and glTF's default one behind them if it is used; only used ones give warnings.
@@ -43,7 +43,7 @@ fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
         base_color: range.colour("the base colour", Rgb::new(r, g, b), 1.0),
         metallic: range.number("the metallic factor", pbr.metallic_factor(), SHARE),
         roughness: range.number("the roughness", pbr.roughness_factor(), SHARE),
-        ior: range.number("the index of refraction", source.ior().unwrap_or(1.5), [1.0, 100.0]),
+        ior: range.number("the index of refraction", source.ior().unwrap_or(1.5), [0.0, 100.0]),
         specular: range.number("the specular factor", specular.map_or(1.0, |s| s.specular_factor()), SHARE),
         specular_color: range.colour("the specular colour", Rgb::from_array(specular_color), 1e6),
         transmission: range.number("the transmission", transmission, SHARE),

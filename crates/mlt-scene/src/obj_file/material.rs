@@ -1,7 +1,7 @@
 //! MTL's materials.
 
-use crate::metallic_roughness::{MetallicRoughness, Range};
-use mlt_core::transport::{Rgb, material::Material};
+use crate::range::Range;
+use mlt_core::transport::{Rgb, bsdf::MetallicRoughness, material::Material};
 
 /// Reflectance of the surface that stands in for a missing material.
 const GREY: Rgb = Rgb::splat(0.5);
@@ -11,7 +11,7 @@ const F0: f32 = 0.04;
 
 /// What stands in for a material that is not defined.
 pub(super) fn grey() -> Material {
-    let bsdf = MetallicRoughness::lambert(GREY).bsdf();
+    let bsdf = diffuse(GREY).bsdf();
     Material { name: "grey".to_owned(), bsdf, emission: Rgb::ZERO, emits_both_sides: false }
 }
 
@@ -36,11 +36,11 @@ fn parameters(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
         return glass(source, range);
     }
     let absent = if source.emissive.is_some() { Rgb::ZERO } else { GREY };
-    let diffuse = range.colour("Kd", rgb(source.diffuse).unwrap_or(absent), 1.0);
+    let base_color = range.colour("Kd", rgb(source.diffuse).unwrap_or(absent), 1.0);
     let (metallic, roughness) = (number(source, "Pm"), number(source, "Pr"));
     if metallic.is_some() || roughness.is_some() {
         return MetallicRoughness {
-            base_color: diffuse,
+            base_color,
             metallic: range.number("Pm", metallic.unwrap_or(0.0), [0.0, 1.0]),
             roughness: range.number("Pr", roughness.unwrap_or(1.0), [0.0, 1.0]),
             ..MetallicRoughness::default()
@@ -48,13 +48,18 @@ fn parameters(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
     }
     let specular = range.colour("Ks", rgb(source.specular).unwrap_or(Rgb::ZERO), 1.0);
     match source.shininess {
-        _ if specular == Rgb::ZERO => MetallicRoughness::lambert(diffuse),
+        _ if specular == Rgb::ZERO => diffuse(base_color),
         _ if matches!(shown, 3 | 5) => {
             MetallicRoughness { base_color: specular, roughness: 0.0, ..MetallicRoughness::default() }
         }
-        Some(exponent) if shown >= 2 => glossy(diffuse, specular, range.number("Ns", exponent as f32, [0.0, 1e6])),
-        _ => MetallicRoughness::lambert(diffuse),
+        Some(exponent) if shown >= 2 => glossy(base_color, specular, range.number("Ns", exponent as f32, [0.0, 1e6])),
+        _ => diffuse(base_color),
     }
+}
+
+/// A diffuse surface without any reflection above it.
+fn diffuse(base_color: Rgb) -> MetallicRoughness {
+    MetallicRoughness { base_color, metallic: 0.0, specular: 0.0, ..MetallicRoughness::default() }
 }
 
 /// A solid dielectric, tinted by the transmission filter.
@@ -74,10 +79,10 @@ fn glass(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
 ///
 /// α = √(2 / (n + 2)) gives a microfacet distribution the width of Blinn's lobe with exponent n; roughness = √α.
 /// Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007.
-fn glossy(diffuse: Rgb, specular: Rgb, exponent: f32) -> MetallicRoughness {
+fn glossy(base_color: Rgb, specular: Rgb, exponent: f32) -> MetallicRoughness {
     let alpha = (2.0 / (exponent + 2.0)).sqrt();
     MetallicRoughness {
-        base_color: diffuse,
+        base_color,
         metallic: 0.0,
         roughness: alpha.sqrt(),
         specular_color: specular / F0,
@@ -132,7 +137,7 @@ mod tests {
 
     #[test]
     fn plain_colours_are_diffuse() {
-        let red = MetallicRoughness::lambert(Rgb::X);
+        let red = diffuse(Rgb::X);
         for mtl in ["Kd 1 0 0", "Kd 1 0 0\nKs 0 0 0\nNs 100", "Kd 1 0 0\nKs 1 1 1", "Kd 1 0 0\nKs 1 1 1\nNs 9\nillum 1"]
         {
             assert_eq!(parsed(mtl), red, "{mtl}");
