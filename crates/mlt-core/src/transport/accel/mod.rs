@@ -68,8 +68,7 @@ impl Accel {
     /// None, too, for a ray with a zero or non-finite direction, or an origin that is not finite or beyond ±10¹⁸.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let candidate = traverse::closest(self.instructions, &self.tree, ray)?;
-        let triangle = self.tree.blocks[candidate.block as usize].triangle(candidate.lane as usize);
-        Some(watertight::refine(&triangle, ray, &candidate))
+        Some(watertight::refine(&self.tree.blocks[candidate.block as usize], ray, &candidate))
     }
 
     /// Whether anything lies in 0 < t ≤ t_max; the same answer as `closest(ray).is_some()`, sooner.

@@ -12,7 +12,7 @@
 
 use super::super::ray::Ray;
 use super::binary::MAX_COORDINATE;
-use super::simd::{InstructionSet, Lanes, Simd, prefetch};
+use super::simd::{InstructionSet, Lanes, Simd, prefetch, splat3};
 use super::watertight::Shear;
 use super::wide::{Child, Node, WideTree};
 use glam::Vec3;
@@ -161,19 +161,19 @@ struct BoxTest<S: Simd> {
 impl<S: Simd> BoxTest<S> {
     #[inline(always)]
     fn new(simd: S, ray: &Ray, scene_coordinate: f32) -> Self {
-        let widening = WIDENING * scene_coordinate.max(ray.origin.abs().max_element());
+        let widening = Vec3::splat(WIDENING * scene_coordinate.max(ray.origin.abs().max_element()));
         // A slower component moves the ray by less than the widening before it has left the scene.
-        let slowest = 1e-12 * ray.direction.abs().max_element();
+        let least = Vec3::splat(1e-12 * ray.direction.abs().max_element());
         let reciprocal =
-            ray.direction.to_array().map(|d| 1.0 / if d.abs() < slowest { slowest.copysign(d) } else { d });
-        let origin = ray.origin.to_array();
-        let shift = |axis: usize, by: f32| (origin[axis] + by.copysign(reciprocal[axis] * by)) * reciprocal[axis];
+            1.0 / Vec3::select(ray.direction.abs().cmplt(least), least.copysign(ray.direction), ray.direction);
+        let widening = widening.copysign(reciprocal);
+        let backwards = |axis: usize| usize::from(reciprocal[axis] < 0.0);
         Self {
-            near_plane: [0, 1, 2].map(|axis| 2 * axis + usize::from(reciprocal[axis] < 0.0)),
-            near_reciprocal: reciprocal.map(|r| simd.splat(r)),
-            near_shift: [0, 1, 2].map(|axis| simd.splat(shift(axis, widening))),
-            far_reciprocal: reciprocal.map(|r| simd.splat(r * FAR_FACTOR)),
-            far_shift: [0, 1, 2].map(|axis| simd.splat(shift(axis, -widening) * FAR_FACTOR)),
+            near_plane: [backwards(0), 2 + backwards(1), 4 + backwards(2)],
+            near_reciprocal: splat3(simd, reciprocal.to_array()),
+            near_shift: splat3(simd, ((ray.origin + widening) * reciprocal).to_array()),
+            far_reciprocal: splat3(simd, (reciprocal * FAR_FACTOR).to_array()),
+            far_shift: splat3(simd, ((ray.origin - widening) * reciprocal * FAR_FACTOR).to_array()),
         }
     }
 
