@@ -1,2 +1,5 @@
 //! `mlt`: stratified Metropolis light transport on the command line.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    mlt_cli::main()
+}

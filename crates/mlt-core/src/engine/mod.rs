@@ -1,1 +1,36 @@
 //! Stratified Metropolis sampling over an arbitrary state space.
+//!
+//! A user brings a [`Path`] (a state and what it deposits), an [`Importance`], one or more [`Mutation`]s and the
+//! [`Stratum`]s that his state space is cut into. The engine estimates, for every site p of a film,
+//!
+//! image(p) = Σ_j b_j · E_{x ~ I/b_j on Ω_j} [ h_p(x) f(x) / I(x) ]
+//!
+//! as a mean over independent rounds ([`render`]), each of which is one unbiased estimate of the whole image
+//! ([`Metropolis`]). It names no vector type and no scene.
+
+mod bootstrap;
+mod chain;
+mod deposit;
+mod estimator;
+mod film;
+mod importance;
+mod key;
+mod metropolis;
+mod mixture;
+mod mutation;
+mod path;
+mod stats;
+mod stratum;
+
+pub use chain::Chain;
+pub use deposit::{Deposit, Deposits, Sink};
+pub use estimator::{Estimator, Observer, Outcome, Progress, render};
+pub use film::{Film, Pixel};
+pub use importance::Importance;
+pub use key::{Generator, Purpose, generator, uniform, uniform_f32};
+pub use metropolis::{Metropolis, Share, Tally};
+pub use mixture::Mixture;
+pub use mutation::Mutation;
+pub use path::{Path, Splat};
+pub use stats::{MutationStats, StratumStats};
+pub use stratum::Stratum;

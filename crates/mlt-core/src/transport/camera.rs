@@ -1,6 +1,7 @@
 //! The pinhole camera.
 
-use glam::{DVec3, Vec3};
+use super::vertex::Vertex;
+use glam::{DVec3, Vec2, Vec3};
 
 /// Where the camera stands and what it takes in; the image's aspect ratio comes with its size.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,4 +18,86 @@ pub struct CameraPose {
     pub vertical_fov: f32,
     /// Width over height that the scene's author meant, if given.
     pub aspect_ratio: Option<f32>,
+}
+
+/// A pinhole camera for images of a given size, in the scene's own coordinates.
+///
+/// Its importance is normalised over the image: ∫ W_e |cosθ| dω = 1, so ∫ f over all paths is the image's mean radiance.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    vertex: Vertex,
+    /// Half the image's width and height on the plane at distance 1, along the image's axes.
+    right: Vec3,
+    down: Vec3,
+    size: [u32; 2],
+    /// Area of the image on the plane at distance 1.
+    area: f32,
+}
+
+impl Camera {
+    pub(super) fn new(pose: &CameraPose, position: Vec3, size: [u32; 2]) -> Self {
+        let half_height = (0.5 * pose.vertical_fov).tan();
+        let half_width = half_height * size[0] as f32 / size[1] as f32;
+        Self {
+            vertex: Vertex::camera(position, pose.forward),
+            right: half_width * pose.forward.cross(pose.up),
+            down: -half_height * pose.up,
+            size,
+            area: 4.0 * half_width * half_height,
+        }
+    }
+
+    /// The vertex at the pinhole.
+    pub fn vertex(&self) -> Vertex {
+        self.vertex
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Number of pixels.
+    pub fn pixels(&self) -> u32 {
+        self.size[0] * self.size[1]
+    }
+
+    /// Unit direction through a point of the image, given in [0, 1)² from the top left corner.
+    #[inline]
+    pub fn direction(&self, image: Vec2) -> Vec3 {
+        let p = 2.0 * image - Vec2::ONE;
+        (self.vertex.geometric_normal + p.x * self.right + p.y * self.down).normalize()
+    }
+
+    /// The point of the image that a direction from the pinhole passes through; `None` outside the image.
+    #[inline]
+    pub fn image_point(&self, direction: Vec3) -> Option<Vec2> {
+        let cos = self.vertex.geometric_normal.dot(direction);
+        let plane = Vec2::new(direction.dot(self.right), direction.dot(self.down)) / cos;
+        let image = 0.5 * (plane / Vec2::new(self.right.length_squared(), self.down.length_squared()) + Vec2::ONE);
+        let inside = cos > 0.0 && image.cmpge(Vec2::ZERO).all() && image.cmplt(Vec2::ONE).all();
+        inside.then_some(image)
+    }
+
+    /// Index of the pixel at a point of the image, row by row.
+    #[inline]
+    pub fn pixel(&self, image: Vec2) -> u32 {
+        let column = ((image.x * self.size[0] as f32) as u32).min(self.size[0] - 1);
+        let row = ((image.y * self.size[1] as f32) as u32).min(self.size[1] - 1);
+        row * self.size[0] + column
+    }
+
+    /// W_e, per area of the pinhole and sr: 1/(A cos⁴θ), A the image's area at distance 1.
+    ///
+    /// Source: [PharrJakobHumphreys16], section 16.1.1.
+    #[inline]
+    pub fn w_e(&self, cos: f32) -> f32 {
+        1.0 / (self.area * cos * cos * cos * cos)
+    }
+
+    /// Density per unit solid angle of the direction through a uniform point of the image, sr⁻¹: 1/(A cos³θ).
+    #[inline]
+    pub fn pdf(&self, cos: f32) -> f32 {
+        1.0 / (self.area * cos * cos * cos)
+    }
 }

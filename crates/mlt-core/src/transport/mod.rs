@@ -1,13 +1,31 @@
 //! The renderer: scenes of triangles, bidirectional path tracing, path-space mutations.
 
 pub mod accel;
+pub mod bdpt;
 pub mod bsdf;
 pub mod camera;
 pub mod description;
+pub mod independent;
+pub mod light;
+pub mod lights;
+pub mod low_discrepancy;
 pub mod material;
 pub mod math;
 pub mod mesh;
+mod mis;
+pub mod mutate;
+pub mod path;
+pub mod pt;
 pub mod ray;
+pub mod region;
+pub mod render;
+pub mod scene;
+mod space;
+pub mod strata;
+pub mod stratum;
+mod subpath;
+mod surface;
+pub mod vertex;
 
 /// Linear Rec. 709 colour: radiance in W·sr⁻¹·m⁻², or a dimensionless reflectance.
 pub type Rgb = glam::Vec3;

@@ -14,12 +14,34 @@
 //!   energy and P the probability of the event. So both subpaths' densities of one path have the same δ as factor, and
 //!   it cancels in every ratio.
 
+mod conductor;
+mod dielectric;
+pub mod fresnel;
+mod glossy;
 mod lambert;
+mod metallic_roughness;
+pub mod microfacet;
+mod mirror;
+mod mix;
+mod rough_dielectric;
+mod rough_thin;
+#[cfg(test)]
+mod tests;
+mod thin;
 
 use super::Rgb;
 use glam::Vec3;
 
+pub use conductor::Conductor;
+pub use dielectric::Dielectric;
+pub use glossy::Glossy;
 pub use lambert::Lambert;
+pub use metallic_roughness::{MIXED_ALPHA, MetallicRoughness, SMOOTH_ALPHA};
+pub use mirror::Mirror;
+pub use mix::Mix;
+pub use rough_dielectric::RoughDielectric;
+pub use rough_thin::RoughThin;
+pub use thin::{Thin, slab_reflectance};
 
 /// One surface's scattering function.
 #[derive(Clone, Debug)]
@@ -28,15 +50,29 @@ pub enum Bsdf {
     Black,
     /// Ideal diffuse reflection from both sides.
     Lambert(Lambert),
+    /// Perfect mirror from both sides; delta.
+    Mirror(Mirror),
+    /// Smooth interface to a medium on the back side; delta.
+    Dielectric(Dielectric),
+    /// Smooth thin transparent wall; delta.
+    Thin(Thin),
+    /// Rough metal from both sides.
+    Conductor(Conductor),
+    /// Dielectric coat over a diffuse base, from both sides.
+    Glossy(Glossy),
+    /// Rough interface to a medium on the back side.
+    RoughDielectric(RoughDielectric),
+    /// Rough thin transparent wall.
+    RoughThin(RoughThin),
+    /// Blend of two that are not delta.
+    Mix(Box<Mix>),
 }
 
 impl Bsdf {
     /// Whether it scatters into discrete directions only.
     #[inline]
     pub fn is_delta(&self) -> bool {
-        match self {
-            Self::Black | Self::Lambert(_) => false,
-        }
+        matches!(self, Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_))
     }
 
     /// f_s(to_light → to_eye), sr⁻¹; a delta BSDF: the coefficient of δ.
@@ -45,6 +81,14 @@ impl Bsdf {
         match self {
             Self::Black => Rgb::ZERO,
             Self::Lambert(b) => b.eval(n, to_light, to_eye),
+            Self::Mirror(b) => b.eval(n, to_light, to_eye),
+            Self::Dielectric(b) => b.eval(n, to_light, to_eye),
+            Self::Thin(b) => b.eval(n, to_light, to_eye),
+            Self::Conductor(b) => b.eval(n, to_light, to_eye),
+            Self::Glossy(b) => b.eval(n, to_light, to_eye),
+            Self::RoughDielectric(b) => b.eval(n, to_light, to_eye),
+            Self::RoughThin(b) => b.eval(n, to_light, to_eye),
+            Self::Mix(b) => b.eval(n, to_light, to_eye),
         }
     }
 
@@ -54,6 +98,14 @@ impl Bsdf {
         match self {
             Self::Black => 0.0,
             Self::Lambert(b) => b.pdf(n, given, sampled),
+            Self::Mirror(b) => b.pdf(n, given, sampled),
+            Self::Dielectric(b) => b.pdf(n, given, sampled),
+            Self::Thin(b) => b.pdf(n, given, sampled),
+            Self::Conductor(b) => b.pdf(n, given, sampled),
+            Self::Glossy(b) => b.pdf(n, given, sampled),
+            Self::RoughDielectric(b) => b.pdf(n, given, sampled),
+            Self::RoughThin(b) => b.pdf(n, given, sampled),
+            Self::Mix(b) => b.pdf(n, given, sampled),
         }
     }
 
@@ -63,6 +115,37 @@ impl Bsdf {
         match self {
             Self::Black => None,
             Self::Lambert(b) => b.sample(n, given, u),
+            Self::Mirror(b) => b.delta_direction(n, given, false),
+            Self::Dielectric(b) => b.sample(n, given, u),
+            Self::Thin(b) => b.sample(n, given, u),
+            Self::Conductor(b) => b.sample(n, given, u),
+            Self::Glossy(b) => b.sample(n, given, u),
+            Self::RoughDielectric(b) => b.sample(n, given, u),
+            Self::RoughThin(b) => b.sample(n, given, u),
+            Self::Mix(b) => b.sample(n, given, u),
+        }
+    }
+
+    /// P, dimensionless, of the discrete event (reflection, transmission) that turns `given` into `sampled`, known from
+    /// the sides that they are on; 0 for a BSDF that is not delta.
+    #[inline]
+    pub fn event_probability(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+        match self {
+            Self::Mirror(b) => b.event_probability(n, given, sampled),
+            Self::Dielectric(b) => b.event_probability(n, given, sampled),
+            Self::Thin(b) => b.event_probability(n, given, sampled),
+            _ => 0.0,
+        }
+    }
+
+    /// The direction that a delta BSDF joins to `given` by reflection or by transmission; `None`: there is none.
+    #[inline]
+    pub fn delta_direction(&self, n: Vec3, given: Vec3, transmit: bool) -> Option<Vec3> {
+        match self {
+            Self::Mirror(b) => b.delta_direction(n, given, transmit),
+            Self::Dielectric(b) => b.delta_direction(n, given, transmit),
+            Self::Thin(b) => b.delta_direction(n, given, transmit),
+            _ => None,
         }
     }
 }

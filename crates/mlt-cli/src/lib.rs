@@ -1,0 +1,42 @@
+//! The `mlt` program: command line in, images and reports out.
+//!
+//! Exit codes: 0 success, 1 a failed run, 2 wrong usage, 130 interrupted; an error is one sentence on standard error.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+pub mod args;
+pub mod diff;
+mod exit;
+pub mod image;
+pub mod interrupt;
+pub mod output;
+pub mod progress;
+pub mod render;
+pub mod report;
+mod system;
+mod terminal;
+
+pub use exit::Failure;
+pub use system::{cpu_seconds, require_memory};
+pub use terminal::{print, warn};
+
+/// Runs the program with the arguments of this process.
+pub fn main() -> ExitCode {
+    let outcome = match args::Cli::try_parse() {
+        Ok(cli) => run(&cli),
+        Err(error) => Failure::from_clap(&error),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn run(cli: &args::Cli) -> Result<(), Failure> {
+    match &cli.command {
+        args::Command::Render(options) => render::run(options),
+        args::Command::Diff(options) => diff::run(options),
+    }
+}

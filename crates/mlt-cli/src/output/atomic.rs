@@ -1,0 +1,119 @@
+//! Files that are written whole or not at all.
+
+use std::{
+    fs::{self, File},
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+use anyhow::Context;
+use tempfile::NamedTempFile;
+
+/// Puts `bytes` at `path`: into a temporary file beside it, to the disk, then renamed.
+///
+/// On failure the error names the file, what stood at `path` stays, and nothing new is left behind. A file that is
+/// replaced keeps its permissions; a new one gets the usual ones. A symbolic link is followed, not replaced.
+pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    replace(path, bytes).with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let folder = folder_of(&target);
+    let mut file = temporary_in(&folder)?;
+    if let Ok(existing) = fs::metadata(&target) {
+        file.as_file().set_permissions(existing.permissions())?;
+    }
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(&target).map_err(|error| error.error)?;
+    // The rename itself reaches the disk with the folder; where a folder cannot be synchronised it still happened.
+    let _ = File::open(&folder).and_then(|folder| folder.sync_all());
+    Ok(())
+}
+
+/// The folder that a file of this name lies in; the current one for a bare name.
+pub(super) fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
+}
+
+#[cfg(unix)]
+fn temporary_in(folder: &Path) -> std::io::Result<NamedTempFile> {
+    use std::os::unix::fs::PermissionsExt;
+    // Temporary files are private by default; an image is to be as readable as any other new file (the umask applies).
+    tempfile::Builder::new().prefix(".mlt-").permissions(fs::Permissions::from_mode(0o666)).tempfile_in(folder)
+}
+
+#[cfg(not(unix))]
+fn temporary_in(folder: &Path) -> std::io::Result<NamedTempFile> {
+    tempfile::Builder::new().prefix(".mlt-").tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("readable");
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    #[test]
+    fn a_file_is_written_and_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("image.exr");
+        write(&path, b"first").expect("written");
+        write(&path, b"second").expect("replaced");
+        assert_eq!(fs::read(&path).expect("there"), b"second");
+        assert_eq!(names(folder.path()), ["image.exr"]);
+    }
+
+    #[test]
+    fn a_failed_write_names_the_file_and_leaves_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a".repeat(300) + ".exr");
+        let message = format!("{:#}", write(&path, b"bytes").expect_err("the name is too long"));
+        assert!(message.contains("aaa.exr: cannot be written: ") && message.contains("too long"), "{message}");
+        assert!(names(folder.path()).is_empty());
+        assert!(write(&folder.path().join("none/a.exr"), b"bytes").is_err());
+        assert!(write(folder.path(), b"bytes").is_err());
+    }
+
+    #[test]
+    fn a_bare_name_is_in_the_current_folder() {
+        assert_eq!(folder_of(Path::new("a.exr")), Path::new("."));
+        assert_eq!(folder_of(Path::new("b/a.exr")), Path::new("b"));
+        assert_eq!(folder_of(Path::new("/a.exr")), Path::new("/"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_are_the_usual_ones_or_kept() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().expect("a folder");
+        let mode = |path: &Path| fs::metadata(path).expect("there").permissions().mode() & 0o777;
+        let (plain, image) = (folder.path().join("plain"), folder.path().join("image.exr"));
+        fs::write(&plain, b"").expect("written");
+        write(&image, b"").expect("written");
+        assert_eq!(mode(&image), mode(&plain));
+
+        fs::set_permissions(&image, fs::Permissions::from_mode(0o640)).expect("set");
+        write(&image, b"again").expect("replaced");
+        assert_eq!(mode(&image), 0o640);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_symbolic_link_is_followed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (link, real) = (folder.path().join("link.exr"), folder.path().join("real.exr"));
+        fs::write(&real, b"old").expect("written");
+        std::os::unix::fs::symlink(&real, &link).expect("linked");
+        write(&link, b"new").expect("written");
+        assert_eq!(fs::read(&real).expect("there"), b"new");
+        assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
+    }
+}

@@ -1,0 +1,238 @@
+//! OpenEXR: linear pixels, their standard errors, and how the image was made.
+
+use std::{
+    fs::File,
+    io::{BufReader, Cursor},
+    path::Path,
+};
+
+use ::exr::{
+    image::write::channels::WritableChannels,
+    meta::{
+        attribute::{AttributeValue, IntegerBounds, Text},
+        header::{ImageAttributes, LayerAttributes},
+    },
+    prelude::{
+        Blocks, Compression, Encoding, Image as ExrImage, Layer, LineOrder, ReadChannels, ReadLayers,
+        ReadSpecificChannel, SpecificChannels, Vec2, WritableImage, read as exr_read,
+    },
+};
+use anyhow::{Context, bail};
+
+use super::check_size;
+use crate::image::Image;
+
+/// The first bytes of every OpenEXR file.
+pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// Lossless, rows from the top: what every reader of OpenEXR understands.
+const ENCODING: Encoding =
+    Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+
+/// What an OpenEXR file of ours holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExrFile {
+    /// Channels R, G, B.
+    pub image: Image,
+    /// Standard error of each value (channels `stderr.R`, `stderr.G`, `stderr.B`), if there.
+    pub stderr: Option<Vec<[f32; 3]>>,
+    /// Attributes that hold text, by name; sorted.
+    pub attributes: Vec<(String, String)>,
+}
+
+/// The file's bytes: 32-bit float channels, losslessly compressed. Same input, same bytes.
+///
+/// `stderr`: as many pixels as the image. `attributes`: names (each once) and UTF-8 texts for the header.
+pub fn encode(image: &Image, stderr: Option<&[[f32; 3]]>, attributes: &[(String, String)]) -> anyhow::Result<Vec<u8>> {
+    if stderr.is_some_and(|stderr| stderr.len() != image.rgb.len()) {
+        bail!("the standard errors do not have the image's size");
+    }
+    let pixel = |values: &[[f32; 3]], position: Vec2<usize>| -> (f32, f32, f32) {
+        values[position.y() * image.width + position.x()].into()
+    };
+    let colour = SpecificChannels::build().with_channel("R").with_channel("G").with_channel("B");
+    let Some(stderr) = stderr else {
+        let pixels = colour.with_pixel_fn(|position| pixel(&image.rgb, position));
+        return bytes(&with_header(image, attributes, pixels));
+    };
+    let channels = colour.with_channel("stderr.R").with_channel("stderr.G").with_channel("stderr.B");
+    let pixels = channels.with_pixel_fn(|position| {
+        let ((r, g, b), (dr, dg, db)) = (pixel(&image.rgb, position), pixel(stderr, position));
+        (r, g, b, dr, dg, db)
+    });
+    bytes(&with_header(image, attributes, pixels))
+}
+
+fn with_header<C>(image: &Image, attributes: &[(String, String)], channel_data: C) -> ExrImage<Layer<C>> {
+    let size = Vec2(image.width, image.height);
+    let text = |text: &str| Text::from_slice_unchecked(text.as_bytes());
+    let attribute = |(name, value): &(String, String)| (text(name), AttributeValue::Text(text(value)));
+    let header = LayerAttributes { other: attributes.iter().map(attribute).collect(), ..LayerAttributes::default() };
+    ExrImage {
+        attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
+        layer_data: Layer { channel_data, attributes: header, size, encoding: ENCODING },
+    }
+}
+
+fn bytes<'a, C: WritableChannels<'a> + 'a>(image: &'a ExrImage<Layer<C>>) -> anyhow::Result<Vec<u8>> {
+    let mut file = Cursor::new(Vec::new());
+    image.write().non_parallel().to_buffered(&mut file)?;
+    let mut file = file.into_inner();
+    sort_attributes(&mut file).context("the encoder wrote a header of an unknown form")?;
+    Ok(file)
+}
+
+/// Puts the header's attributes in the order of their names, in place: the encoder keeps them in a hash map, whose
+/// order differs from run to run.
+///
+/// Each attribute is: name, 0, type, 0, length of the value (4 bytes, little-endian), value; an empty name ends the
+/// header, which follows the magic number and the version (8 bytes). Source: "OpenEXR File Layout".
+fn sort_attributes(file: &mut [u8]) -> Option<()> {
+    const START: usize = 8;
+    let mut attributes = Vec::new();
+    let mut rest = file.get(START..)?;
+    while *rest.first()? != 0 {
+        let name = rest.iter().position(|&byte| byte == 0)?;
+        let kind = rest.get(name + 1..)?.iter().position(|&byte| byte == 0)?;
+        let length = name + 1 + kind + 1;
+        let value = u32::from_le_bytes(rest.get(length..length + 4)?.try_into().ok()?) as usize;
+        let (attribute, after) = rest.split_at_checked(length + 4 + value)?;
+        attributes.push(attribute);
+        rest = after;
+    }
+    attributes.sort_unstable();
+    let sorted = attributes.concat();
+    file[START..START + sorted.len()].copy_from_slice(&sorted);
+    Some(())
+}
+
+/// Reads the first layer that has the channels R, G and B, of any sample type.
+pub fn read(path: &Path) -> anyhow::Result<ExrFile> {
+    decode(path).with_context(|| format!("{}: cannot be read as OpenEXR", path.display()))
+}
+
+type Pixels = (Vec<[f32; 3]>, Option<Vec<[f32; 3]>>, usize);
+
+fn decode(path: &Path) -> anyhow::Result<ExrFile> {
+    let chunks = ::exr::block::read(BufReader::new(File::open(path)?), false)?;
+    for header in chunks.headers() {
+        // The image and its standard error, 12 bytes each.
+        check_size(header.layer_size.width(), header.layer_size.height(), 24)?;
+    }
+    let file = exr_read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required("R")
+        .required("G")
+        .required("B")
+        .optional("stderr.R", f32::NAN)
+        .optional("stderr.G", f32::NAN)
+        .optional("stderr.B", f32::NAN)
+        .collect_pixels(
+            |size, (_, _, _, r, g, b)| -> Pixels {
+                let blank = || vec![[f32::NAN; 3]; size.area()];
+                let stderr = r.is_some() && g.is_some() && b.is_some();
+                (blank(), stderr.then(blank), size.width())
+            },
+            |(rgb, stderr, width): &mut Pixels, position, (r, g, b, dr, dg, db)| {
+                let index = position.y() * *width + position.x();
+                rgb[index] = [r, g, b];
+                if let Some(stderr) = stderr {
+                    stderr[index] = [dr, dg, db];
+                }
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_chunks(chunks)?;
+    let layer = file.layer_data;
+    let mut attributes: Vec<_> =
+        file.attributes.other.iter().chain(&layer.attributes.other).filter_map(text_attribute).collect();
+    attributes.sort_unstable();
+    let (rgb, stderr, _) = layer.channel_data.pixels;
+    Ok(ExrFile { image: Image::new(layer.size.width(), layer.size.height(), rgb)?, stderr, attributes })
+}
+
+fn text_attribute((name, value): (&Text, &AttributeValue)) -> Option<(String, String)> {
+    let string = |text: &Text| String::from_utf8_lossy(text.as_slice()).into_owned();
+    match value {
+        AttributeValue::Text(text) => Some((string(name), string(text))),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gradient() -> Image {
+        let pixel = |i: usize| [i as f32 * 0.25, 1.0 / (i as f32 + 1.0), f32::MAX / (i as f32 + 1.0)];
+        Image::new(7, 40, (0..280).map(pixel).collect()).expect("280 pixels")
+    }
+
+    fn attributes() -> Vec<(String, String)> {
+        let pair = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
+        let mut list: Vec<_> = (0..20).map(|i| pair((&format!("mlt.b{i:02}"), "0.5"))).collect();
+        list.extend([("mlt.note", ""), ("mlt.scene", "Szene/größe 門.gltf"), ("mlt.version", "0.1.0")].map(pair));
+        list
+    }
+
+    fn read_back(bytes: &[u8]) -> anyhow::Result<ExrFile> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("a.exr");
+        std::fs::write(&path, bytes)?;
+        read(&path)
+    }
+
+    #[test]
+    fn everything_is_read_back_bit_for_bit() {
+        let image = gradient();
+        let stderr: Vec<_> = image.rgb.iter().map(|pixel| pixel.map(|value| value * 0.01)).collect();
+        let bytes = encode(&image, Some(&stderr), &attributes()).expect("encoded");
+        let file = read_back(&bytes).expect("read");
+        assert!(file.image.same_bits(&image));
+        assert_eq!(file.stderr, Some(stderr));
+        assert_eq!(file.attributes, attributes());
+    }
+
+    #[test]
+    fn an_image_without_standard_errors_has_none() {
+        let file = read_back(&encode(&gradient(), None, &[]).expect("encoded")).expect("read");
+        assert_eq!(file, ExrFile { image: gradient(), stderr: None, attributes: vec![] });
+    }
+
+    #[test]
+    fn the_same_image_has_the_same_bytes() {
+        let bytes = || encode(&gradient(), None, &attributes()).expect("encoded");
+        let first = bytes();
+        assert!((0..20).all(|_| bytes() == first));
+    }
+
+    #[test]
+    fn standard_errors_of_another_size_are_refused() {
+        assert!(encode(&gradient(), Some(&[[0.0; 3]]), &[]).is_err());
+    }
+
+    #[test]
+    fn a_truncated_file_is_refused() {
+        let bytes = encode(&gradient(), None, &attributes()).expect("encoded");
+        for length in [5, 20, 300, bytes.len() / 2, bytes.len() - 1] {
+            assert!(read_back(&bytes[..length]).is_err(), "{length} of {} bytes", bytes.len());
+        }
+    }
+
+    /// Any byte of the header or of the offset table changed: an error or an image, no panic and no huge allocation.
+    #[test]
+    fn a_damaged_file_does_not_panic() {
+        let bytes = encode(&gradient(), None, &attributes()[..1]).expect("encoded");
+        for index in 0..bytes.len().min(700) {
+            for value in [0, 1, 0x7f, 0xff] {
+                let mut damaged = bytes.clone();
+                damaged[index] = value;
+                let _ = read_back(&damaged);
+            }
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! What a render tells about itself.
+
+use std::{collections::BTreeMap, fmt};
+
+use serde::Serialize;
+
+use crate::progress::per_second;
+
+/// The report of `mlt render --json`, one object; [`Display`](fmt::Display) is the same for reading.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Version of the program.
+    pub version: String,
+    /// The scene as named on the command line.
+    pub scene: String,
+    /// `mlt`, `bdpt` or `pt`.
+    pub method: String,
+    /// `none` or `NxM`.
+    pub strata_option: String,
+    /// What chains sample in proportion to.
+    pub importance: String,
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Longest path in edges; `None`: no limit.
+    pub max_length: Option<u32>,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Threads that were used.
+    pub threads: usize,
+    /// Number of the first round.
+    pub first_round: u64,
+    /// Rounds that are in the image.
+    pub rounds: u64,
+    /// True when the user stopped the render before its end.
+    pub interrupted: bool,
+    /// Time on the clock, s.
+    pub seconds: f64,
+    /// Processor time of all threads, s; `None` where the system does not say.
+    pub cpu_seconds: Option<f64>,
+    /// Metropolis–Hastings steps.
+    pub mutations: u64,
+    /// Independent samples: of the bootstrap, or of the whole method.
+    pub samples: u64,
+    /// Rays traced, shadow rays included.
+    pub rays: u64,
+    /// Share of proposals accepted.
+    pub acceptance: Acceptance,
+    /// ∫ I over all paths: mean importance of the image, all strata together.
+    pub b: f64,
+    /// Standard error of `b`.
+    pub b_stderr: f64,
+    /// Each stratum; empty when the method has none.
+    pub strata: Vec<StratumReport>,
+    /// Estimated relative error of the image, a fraction; `None` when there were too few rounds to tell.
+    pub relative_error: Option<f64>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// Files written.
+    pub outputs: Vec<String>,
+}
+
+/// Share of proposals accepted, 0…1.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Acceptance {
+    /// By name of the mutation; `None` for one that was never proposed.
+    #[serde(flatten)]
+    pub mutations: BTreeMap<String, Option<f64>>,
+    /// Of all mutations together; `None` without mutations.
+    pub total: Option<f64>,
+}
+
+/// One stratum.
+#[derive(Clone, Debug, Serialize)]
+pub struct StratumReport {
+    /// b_j = ∫_{Ω_j} I.
+    pub b: f64,
+    /// Standard error of `b`.
+    pub b_stderr: f64,
+    /// Metropolis–Hastings steps in this stratum.
+    pub mutations: u64,
+}
+
+/// Strata that the text lists; JSON has them all.
+const STRATA_SHOWN: usize = 16;
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rate = |count: u64| per_second(count as f64 / self.seconds.max(f64::MIN_POSITIVE));
+        writeln!(
+            f,
+            "{}: {}, strata {}, {}x{}, seed {}",
+            self.scene, self.method, self.strata_option, self.width, self.height, self.seed
+        )?;
+        write!(f, "  time            {:.2} s, {} threads", self.seconds, self.threads)?;
+        self.cpu_seconds.map_or(Ok(()), |cpu| write!(f, ", {cpu:.2} s of processor time"))?;
+        writeln!(f, "\n  rounds          {} from round {}", self.rounds, self.first_round)?;
+        if self.mutations > 0 {
+            writeln!(f, "  mutations       {} ({})", self.mutations, rate(self.mutations))?;
+        }
+        writeln!(f, "  samples         {}", self.samples)?;
+        writeln!(f, "  rays            {} ({})", self.rays, rate(self.rays))?;
+        write!(f, "{}", self.acceptance)?;
+        writeln!(f, "  b               {:.6} ± {:.6}", self.b, self.b_stderr)?;
+        self.write_strata(f)?;
+        if let Some(error) = self.relative_error {
+            writeln!(f, "  relative error  {:.2} %", error * 100.0)?;
+        }
+        self.outputs.iter().try_for_each(|output| writeln!(f, "  written         {output}"))
+    }
+}
+
+impl Report {
+    fn write_strata(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.strata.len() < 2 {
+            return Ok(());
+        }
+        for (j, stratum) in self.strata.iter().take(STRATA_SHOWN).enumerate() {
+            let StratumReport { b, b_stderr, mutations } = stratum;
+            writeln!(f, "  stratum {j:<6}  b {b:.6} ± {b_stderr:.6}, {mutations} mutations")?;
+        }
+        match self.strata.len().saturating_sub(STRATA_SHOWN) {
+            0 => Ok(()),
+            more => writeln!(f, "  and {more} more strata, which --json lists"),
+        }
+    }
+}
+
+impl fmt::Display for Acceptance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(total) = self.total else { return Ok(()) };
+        write!(f, "  acceptance      {:.1} %", total * 100.0)?;
+        for (name, rate) in &self.mutations {
+            rate.map_or(Ok(()), |rate| write!(f, ", {name} {:.1} %", rate * 100.0))?;
+        }
+        writeln!(f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report() -> Report {
+        let mutations = [("bidirectional".to_owned(), Some(0.25)), ("lens".to_owned(), None)].into();
+        Report {
+            version: "0.1.0".into(),
+            scene: "cornell".into(),
+            method: "mlt".into(),
+            strata_option: "4x5".into(),
+            importance: "luminance".into(),
+            width: 64,
+            height: 48,
+            max_length: None,
+            seed: 7,
+            threads: 2,
+            first_round: 0,
+            rounds: 4,
+            interrupted: false,
+            seconds: 2.0,
+            cpu_seconds: Some(3.9),
+            mutations: 3_000_000,
+            samples: 1000,
+            rays: 9_000_000,
+            acceptance: Acceptance { mutations, total: Some(0.25) },
+            b: 0.5,
+            b_stderr: 0.001,
+            strata: vec![StratumReport { b: 0.025, b_stderr: 0.0001, mutations: 150_000 }; 20],
+            relative_error: Some(0.0213),
+            warnings: vec!["textures are left out".into()],
+            outputs: vec!["a.exr".into()],
+        }
+    }
+
+    #[test]
+    fn json_has_the_promised_fields() {
+        let json = serde_json::to_value(report()).expect("serialised");
+        for name in [
+            "scene",
+            "method",
+            "strata_option",
+            "seed",
+            "threads",
+            "rounds",
+            "seconds",
+            "cpu_seconds",
+            "mutations",
+            "samples",
+            "rays",
+            "b",
+            "relative_error",
+            "warnings",
+            "outputs",
+        ] {
+            assert!(!json[name].is_null(), "{name}");
+        }
+        assert_eq!(json["acceptance"]["total"], 0.25);
+        assert_eq!(json["acceptance"]["bidirectional"], 0.25);
+        assert!(json["acceptance"]["lens"].is_null());
+        assert_eq!(json["strata"][19]["b_stderr"], 0.0001);
+        assert_eq!(json["strata"][0]["mutations"], 150_000);
+    }
+
+    #[test]
+    fn the_text_is_for_reading() {
+        let text = report().to_string();
+        for part in [
+            "cornell: mlt, strata 4x5, 64x48, seed 7",
+            "mutations       3000000 (1.50 M/s)",
+            "acceptance      25.0 %, bidirectional 25.0 %\n",
+            "b               0.500000 ± 0.001000",
+            "and 4 more strata",
+            "relative error  2.13 %",
+            "written         a.exr",
+        ] {
+            assert!(text.contains(part), "{part} is not in:\n{text}");
+        }
+    }
+}

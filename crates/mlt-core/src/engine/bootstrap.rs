@@ -1,0 +1,127 @@
+//! Independent samples of a stratum: its b_j, and where its chains start.
+
+use super::{Generator, Importance, Purpose, Stratum, generator, uniform};
+
+/// Importance weights of the independent samples of one stratum in one round.
+///
+/// Sample i has a random stream of its own, so a chosen sample is made again instead of being stored.
+pub(super) struct Bootstrap {
+    /// Σ_states w I / p of each sample.
+    weights: Vec<f64>,
+    /// How many weights were not finite; they are 0 in `weights`.
+    pub(super) non_finite: u64,
+}
+
+impl Bootstrap {
+    pub(super) fn new(mut weights: Vec<f64>) -> Self {
+        let mut non_finite = 0;
+        for weight in &mut weights {
+            if !(weight.is_finite() && *weight >= 0.0) {
+                *weight = 0.0;
+                non_finite += 1;
+            }
+        }
+        Self { weights, non_finite }
+    }
+
+    pub(super) fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// b̂_j = mean weight.
+    pub(super) fn b(&self) -> f64 {
+        if self.weights.is_empty() { 0.0 } else { self.weights.iter().sum::<f64>() / self.weights.len() as f64 }
+    }
+
+    /// Draws `count` samples in proportion to their weights, by systematic resampling: sample i is drawn
+    /// ⌊count · w_i/Σw⌋ or one more times. Empty if all weights are 0.
+    pub(super) fn choose(&self, count: u64, rng: &mut Generator) -> Vec<u64> {
+        let total: f64 = self.weights.iter().sum();
+        if total <= 0.0 {
+            return Vec::new();
+        }
+        let step = total / count as f64;
+        let mut next = uniform(rng) * step;
+        let mut chosen = Vec::with_capacity(count as usize);
+        let mut cumulative = 0.0;
+        for (i, &weight) in self.weights.iter().enumerate() {
+            cumulative += weight;
+            while next < cumulative && (chosen.len() as u64) < count {
+                chosen.push(i as u64);
+                next += step;
+            }
+        }
+        chosen
+    }
+}
+
+/// Which sample of which render.
+#[derive(Clone, Copy)]
+pub(super) struct SampleKey {
+    pub(super) seed: u64,
+    pub(super) round: u64,
+    pub(super) stratum: u64,
+    pub(super) sample: u64,
+}
+
+impl SampleKey {
+    fn generator(self, purpose: Purpose) -> Generator {
+        generator(self.seed, purpose, self.round, self.stratum, self.sample)
+    }
+
+    /// Σ_states w I / p of this sample.
+    pub(super) fn weight<P>(self, stratum: &impl Stratum<P>, importance: &impl Importance<P>) -> f64 {
+        let mut sum = 0.0;
+        stratum.sample(&mut self.generator(Purpose::Sample), &mut |path, weight| {
+            sum += weight * importance.eval(path);
+        });
+        sum
+    }
+
+    /// One state of this sample, drawn with `rng` in proportion to w I / p.
+    pub(super) fn pick<P: Clone>(
+        self,
+        stratum: &impl Stratum<P>,
+        importance: &impl Importance<P>,
+        rng: &mut Generator,
+    ) -> Option<P> {
+        let (mut sum, mut picked) = (0.0, None);
+        stratum.sample(&mut self.generator(Purpose::Sample), &mut |path: &P, weight| {
+            let weight = weight * importance.eval(path);
+            sum += weight;
+            if weight > 0.0 && uniform(rng) * sum < weight {
+                picked = Some(path.clone());
+            }
+        });
+        picked
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn starts_are_drawn_in_proportion_to_weight() {
+        let bootstrap = Bootstrap::new(vec![0.0, 1.0, f64::NAN, 2.5, 0.5, f64::INFINITY]);
+        assert_eq!(bootstrap.non_finite, 2);
+        let mut counts = [0f64; 6];
+        for round in 0..2000 {
+            let mut rng = generator(1, Purpose::Start, round, 0, 0);
+            let chosen = bootstrap.choose(3, &mut rng);
+            assert_eq!(chosen.len(), 3);
+            chosen.iter().for_each(|&i| counts[i as usize] += 1.0);
+        }
+        for (count, weight) in counts.iter().zip([0.0, 1.0, 0.0, 2.5, 0.5, 0.0]) {
+            let expected = 6000.0 * weight / 4.0;
+            assert!((count - expected).abs() < 4.0 * 1500f64.sqrt(), "{counts:?}");
+        }
+    }
+
+    #[test]
+    fn a_dark_batch_starts_nothing() {
+        let bootstrap = Bootstrap::new(vec![0.0; 5]);
+        assert!(bootstrap.choose(4, &mut generator(0, Purpose::Start, 0, 0, 0)).is_empty());
+        assert_eq!(bootstrap.b(), 0.0);
+    }
+}

@@ -1,0 +1,65 @@
+//! What one task leaves on the film, kept apart until it is merged.
+
+use super::Splat;
+
+/// Takes splats.
+pub trait Sink<S> {
+    /// Adds `weight` × splat.
+    fn deposit(&mut self, splat: S, weight: f64);
+}
+
+/// A weighted splat on its way to the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deposit<const C: usize> {
+    /// Index of the film's site.
+    pub site: u32,
+    /// What the site gets, one number a channel.
+    pub value: [f32; C],
+}
+
+/// The deposits of one task in the order in which they were made, sorted into bands of consecutive sites.
+///
+/// Bands are what threads merge independently, and each is small enough for a cache. A list of deposits, unlike a film
+/// of its own for each chain, takes memory in proportion to the task's length whatever the size of the film.
+#[derive(Clone, Debug)]
+pub struct Deposits<const C: usize> {
+    bands: Vec<Vec<Deposit<C>>>,
+    sites: u32,
+    shift: u32,
+    lost: u64,
+}
+
+impl<const C: usize> Deposits<C> {
+    /// No deposits, for a film of `sites` sites cut into bands of 2^`shift`.
+    pub(super) fn new(sites: u32, shift: u32) -> Self {
+        let bands = (sites as usize).div_ceil(1 << shift).max(1);
+        Self { bands: vec![Vec::new(); bands], sites, shift, lost: 0 }
+    }
+
+    /// Forgets the deposits and keeps the memory.
+    pub(super) fn clear(&mut self) {
+        self.bands.iter_mut().for_each(Vec::clear);
+        self.lost = 0;
+    }
+
+    pub(super) fn band(&self, band: usize) -> &[Deposit<C>] {
+        &self.bands[band]
+    }
+
+    /// Deposits with a site outside the film or a value that is not finite; they are left out.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+}
+
+impl<const C: usize> Sink<Splat<C>> for Deposits<C> {
+    #[inline]
+    fn deposit(&mut self, splat: Splat<C>, weight: f64) {
+        let value = splat.value.map(|v| (v * weight) as f32);
+        if splat.site >= self.sites || value.iter().any(|v| !v.is_finite()) {
+            self.lost += 1;
+            return;
+        }
+        self.bands[(splat.site >> self.shift) as usize].push(Deposit { site: splat.site, value });
+    }
+}

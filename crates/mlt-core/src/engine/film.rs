@@ -1,0 +1,207 @@
+//! The film: exact sums over rounds, whatever their order.
+
+use super::Deposits;
+use rayon::prelude::*;
+
+/// Sites of a band: 2^13 sites of three f64 channels are 192 KiB.
+const BAND_SHIFT: u32 = 13;
+
+/// Sums of rounds in fixed point, and the round that is being made.
+///
+/// Within a round deposits are added in the order of its tasks. Over rounds each site keeps Σ w X and Σ w X² as integers,
+/// so that any grouping of the same rounds, over threads, processes or machines, gives the same bits.
+#[derive(Clone, Debug)]
+pub struct Film<const C: usize> {
+    round: Vec<[f64; C]>,
+    sums: Vec<[Sums; C]>,
+    unit: f64,
+    weight: u64,
+    rounds: u64,
+    lost: u64,
+}
+
+/// Σ w X in 2⁻⁶⁰ units and Σ w X² in 2⁻⁶⁰ units².
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Sums {
+    first: i128,
+    second: i128,
+}
+
+/// Mean and standard error of one channel of one site.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pixel {
+    /// Σ w X / Σ w over the rounds.
+    pub mean: f64,
+    /// Standard error of `mean`; infinite with fewer than two rounds.
+    pub stderr: f64,
+}
+
+impl<const C: usize> Film<C> {
+    /// A black film. `unit` is a typical value of a site, right to within a factor of 10⁹: it sets the quantum of the
+    /// sums, 2⁻⁶⁰ units, and their range, ±2⁶⁷ units.
+    pub fn new(sites: u32, unit: f64) -> Self {
+        let unit = if unit.is_normal() && unit > 0.0 { libm::exp2(libm::floor(libm::log2(unit))) } else { 1.0 };
+        let n = sites as usize;
+        Self { round: vec![[0.0; C]; n], sums: vec![[Sums::default(); C]; n], unit, weight: 0, rounds: 0, lost: 0 }
+    }
+
+    /// Number of sites.
+    pub fn sites(&self) -> u32 {
+        self.sums.len() as u32
+    }
+
+    /// Rounds in the sums.
+    pub fn rounds(&self) -> u64 {
+        self.rounds
+    }
+
+    /// Deposits left out because they were not finite or lay outside.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// An empty list for one task's deposits.
+    pub fn deposits(&self) -> Deposits<C> {
+        Deposits::new(self.sites(), BAND_SHIFT)
+    }
+
+    /// Adds tasks' deposits to the current round, in their order.
+    pub fn add(&mut self, tasks: &[Deposits<C>]) {
+        self.lost += tasks.iter().map(Deposits::lost).sum::<u64>();
+        self.round.par_chunks_mut(1 << BAND_SHIFT).enumerate().for_each(|(band, sites)| {
+            let first = band << BAND_SHIFT;
+            for deposit in tasks.iter().flat_map(|t| t.band(band)) {
+                let site = &mut sites[deposit.site as usize - first];
+                site.iter_mut().zip(deposit.value).for_each(|(s, v)| *s += f64::from(v));
+            }
+        });
+    }
+
+    /// Ends the current round, which is an estimate X of the film, and adds it to the sums with weight `weight`.
+    ///
+    /// Var(X) ∝ 1/weight is assumed: a round's weight is its number of samples.
+    pub fn close_round(&mut self, weight: u64) {
+        let scale = 1.0 / self.unit;
+        let bands = self.round.par_chunks_mut(1 << BAND_SHIFT).zip(self.sums.par_chunks_mut(1 << BAND_SHIFT));
+        bands.for_each(|(round, sums)| {
+            for (x, s) in round.iter_mut().flatten().zip(sums.iter_mut().flatten()) {
+                let value = std::mem::take(x) * scale;
+                s.first += i128::from(weight) * quantise(value);
+                s.second += i128::from(weight) * quantise(value * value);
+            }
+        });
+        self.weight += weight;
+        self.rounds += 1;
+    }
+
+    /// Drops the current round.
+    pub fn drop_round(&mut self) {
+        self.round.par_iter_mut().for_each(|x| *x = [0.0; C]);
+    }
+
+    /// Frees the memory of the current round; the film takes no more of them.
+    pub fn finish(&mut self) {
+        self.round = Vec::new();
+    }
+
+    /// Adds the sums of another film of the same size and unit; `false` and no change if they differ.
+    #[must_use]
+    pub fn merge(&mut self, other: &Self) -> bool {
+        if self.unit != other.unit || self.sums.len() != other.sums.len() {
+            return false;
+        }
+        for (a, b) in self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()) {
+            a.first += b.first;
+            a.second += b.second;
+        }
+        self.weight += other.weight;
+        self.rounds += other.rounds;
+        self.lost += other.lost;
+        true
+    }
+
+    /// Mean and standard error of a site's channels, of the rounds closed so far; 0 without any.
+    ///
+    /// mean = Σ w X / W,  stderr² = (Σ w X² − W mean²) / ((R − 1) W),  W = Σ w.
+    pub fn pixel(&self, site: usize) -> [Pixel; C] {
+        self.sums[site].map(|s| {
+            if self.rounds == 0 {
+                return Pixel { mean: 0.0, stderr: f64::INFINITY };
+            }
+            let w = self.weight as f64;
+            let (mean, square) = (dequantise(s.first) / w, dequantise(s.second) / w);
+            let variance = (square - mean * mean).max(0.0) / (self.rounds as f64 - 1.0);
+            let stderr = if self.rounds < 2 { f64::INFINITY } else { variance.sqrt() * self.unit };
+            Pixel { mean: mean * self.unit, stderr }
+        })
+    }
+}
+
+const QUANTA: f64 = (1u64 << 60) as f64;
+
+/// Nearest multiple of 2⁻⁶⁰.
+#[inline]
+fn quantise(x: f64) -> i128 {
+    let scaled = x * QUANTA;
+    // Most values fit 64 bits, whose conversion is one instruction.
+    if scaled.abs() < 9.0e18 { i128::from(scaled as i64) } else { scaled as i128 }
+}
+
+fn dequantise(sum: i128) -> f64 {
+    sum as f64 / QUANTA
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Sink, Splat};
+
+    fn rounds(film: &mut Film<1>, values: &[(f64, u64)]) {
+        for &(value, weight) in values {
+            let mut deposits = film.deposits();
+            deposits.deposit(Splat { site: 1, value: [value] }, 0.5);
+            deposits.deposit(Splat { site: 1, value: [value] }, 0.5);
+            film.add(&[deposits]);
+            film.close_round(weight);
+        }
+    }
+
+    #[test]
+    fn mean_and_standard_error_match_the_textbook() {
+        let mut film = Film::<1>::new(2, 1.0);
+        rounds(&mut film, &[(1.0, 1), (2.0, 1), (4.0, 1), (5.0, 1)]);
+        let [pixel] = film.pixel(1);
+        assert_eq!(pixel.mean, 3.0);
+        assert!((pixel.stderr - (10.0f64 / 3.0 / 4.0).sqrt()).abs() < 1e-12);
+        assert_eq!(film.pixel(0)[0], Pixel { mean: 0.0, stderr: 0.0 });
+    }
+
+    #[test]
+    fn any_grouping_of_rounds_gives_the_same_bits() {
+        let values: Vec<_> = (1..20).map(|i| (1e-3 * 1.7f64.powi(i), i as u64)).collect();
+        let mut whole = Film::new(2, 0.3);
+        rounds(&mut whole, &values);
+        let (mut a, mut b) = (Film::new(2, 0.3), Film::new(2, 0.3));
+        rounds(&mut b, &values[7..]);
+        rounds(&mut a, &values[..7]);
+        assert!(b.merge(&a));
+        assert_eq!(whole.pixel(1), b.pixel(1));
+        assert!(!b.merge(&Film::new(3, 0.3)));
+    }
+
+    #[test]
+    fn what_is_not_finite_is_counted_and_left_out() {
+        let mut film = Film::<1>::new(2, 1.0);
+        rounds(&mut film, &[(f64::NAN, 1), (1.0, 1)]);
+        assert_eq!(film.lost(), 2);
+        assert_eq!(film.pixel(1)[0].mean, 0.5);
+    }
+
+    #[test]
+    fn a_value_far_above_the_unit_does_not_overflow() {
+        let mut film = Film::<1>::new(2, 1e-6);
+        rounds(&mut film, &[(1e3, 1), (1e3, 1)]);
+        let [pixel] = film.pixel(1);
+        assert!((pixel.mean / 1e3 - 1.0).abs() < 1e-12 && pixel.stderr < 1e-3);
+    }
+}

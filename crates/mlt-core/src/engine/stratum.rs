@@ -1,0 +1,18 @@
+//! Cells of a partition of the state space.
+
+use rand_pcg::rand_core::Rng;
+
+/// Ω_j: the strata given to one render are disjoint and cover every state of positive importance.
+pub trait Stratum<P> {
+    /// Whether x ∈ Ω_j.
+    fn contains(&self, path: &P) -> bool;
+
+    /// Draws one independent sample and shows each state it consists of to `visit`, with that state's weight w(x)/p(x).
+    ///
+    /// A sample may be several states (all the connections of two subpaths) or none. The weights are right if
+    /// E[Σ w/p · g(x)] = ∫_{Ω_j} g for every g; states outside Ω_j are not shown.
+    fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&P, f64));
+
+    /// First estimate of b_j, up to a factor common to all strata.
+    fn power(&self) -> f64;
+}

@@ -1,0 +1,132 @@
+//! All lights of a scene.
+
+use super::light::{Light, LightPoint};
+use super::material::Material;
+use super::mesh::Mesh;
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+
+/// No light, in the table of primitives.
+const NONE: u32 = u32::MAX;
+
+/// The lights, and which triangle belongs to which.
+#[derive(Clone, Debug, Default)]
+pub struct Lights {
+    /// In the order of the meshes; a mesh's parallelograms first, then the rest of it as one light.
+    pub lights: Vec<Light>,
+    /// Of each triangle: its light and its number within that light.
+    of_primitive: Vec<(u32, u32)>,
+}
+
+impl Lights {
+    /// Finds the lights among `meshes`. `primitives` holds, mesh by mesh, the triangles as the scene keeps them.
+    pub(super) fn new(meshes: &[Mesh], materials: &[Material], primitives: &[[Vec3; 3]]) -> Self {
+        let mut lights = Self { lights: Vec::new(), of_primitive: vec![(NONE, 0); primitives.len()] };
+        let mut first = 0;
+        for mesh in meshes {
+            let material = &materials[mesh.material as usize];
+            if material.emission.max_element() > 0.0 {
+                lights.add_mesh(mesh, first, primitives, material);
+            }
+            first += mesh.triangles.len();
+        }
+        lights
+    }
+
+    /// The light of a triangle.
+    #[inline]
+    pub fn of(&self, primitive: u32) -> Option<&Light> {
+        self.lights.get(self.of_primitive[primitive as usize].0 as usize)
+    }
+
+    /// The light point at `position` of a triangle that emits.
+    pub fn point(&self, primitive: u32, position: Vec3) -> Option<LightPoint> {
+        let (light, index) = self.of_primitive[primitive as usize];
+        let (u, v) = self.lights.get(light as usize)?.coordinates(index, position);
+        Some(LightPoint { light, u, v })
+    }
+
+    /// Σ power.
+    pub fn power(&self) -> f64 {
+        self.lights.iter().map(Light::power).sum()
+    }
+
+    fn add_mesh(&mut self, mesh: &Mesh, first: usize, primitives: &[[Vec3; 3]], material: &Material) {
+        let mut rest = Vec::new();
+        for component in components(mesh) {
+            let [a, b] = component[..] else {
+                rest.extend(component);
+                continue;
+            };
+            match parallelogram(primitives[first + a], primitives[first + b]) {
+                Some((origin, edges)) => {
+                    self.push(
+                        Light::parallelogram(origin, edges, (first + a) as u32),
+                        material,
+                        &[first + a, first + b],
+                    );
+                }
+                None => rest.extend([a, b]),
+            }
+        }
+        let area = |i: &usize| {
+            let [a, b, c] = primitives[first + i];
+            (b - a).cross(c - a).length() > 0.0
+        };
+        rest.retain(area);
+        rest.sort_unstable();
+        let list: Vec<_> = rest.iter().map(|i| first + i).collect();
+        if let Some(light) = Light::triangles(list.iter().map(|&p| (p as u32, primitives[p]))) {
+            self.push(light, material, &list);
+        }
+    }
+
+    fn push(&mut self, light: Light, material: &Material, primitives: &[usize]) {
+        let id = self.lights.len() as u32;
+        for (index, &p) in (0..).zip(primitives) {
+            self.of_primitive[p] = (id, index);
+        }
+        self.lights.push(Light { emission: material.emission, both_sides: material.emits_both_sides, ..light });
+    }
+}
+
+/// Groups of triangles that share a corner's position, in the order of their first triangles.
+fn components(mesh: &Mesh) -> Vec<Vec<usize>> {
+    let key = |p: DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
+    let mut first_at = HashMap::new();
+    let mut parent: Vec<usize> = (0..mesh.triangles.len()).collect();
+    fn root(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    for (i, corner) in mesh.triangles.iter().enumerate().flat_map(|(i, t)| t.map(|c| (i, c))) {
+        let other = *first_at.entry(key(mesh.positions[corner as usize])).or_insert(i);
+        let (a, b) = (root(&mut parent, i), root(&mut parent, other));
+        parent[a.max(b)] = a.min(b);
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); parent.len()];
+    for i in 0..parent.len() {
+        groups[root(&mut parent, i)].push(i);
+    }
+    groups.retain(|g| !g.is_empty());
+    groups
+}
+
+/// Corner and edges of the parallelogram that two triangles form, oriented as they are.
+fn parallelogram(a: [Vec3; 3], b: [Vec3; 3]) -> Option<(Vec3, [Vec3; 2])> {
+    let shared = |p: &Vec3, other: &[Vec3; 3]| other.contains(p);
+    let i = (0..3).find(|&i| !shared(&a[i], &b))?;
+    let fourth = b.iter().find(|p| !shared(p, &a))?;
+    let (origin, p, q) = (a[i], a[(i + 1) % 3], a[(i + 2) % 3]);
+    if !(shared(&p, &b) && shared(&q, &b)) {
+        return None;
+    }
+    let edges = [p - origin, q - origin];
+    let size = edges[0].length() + edges[1].length();
+    let same_side = (b[1] - b[0]).cross(b[2] - b[0]).dot(edges[0].cross(edges[1])) > 0.0;
+    let closes = (origin + edges[0] + edges[1]).distance(*fourth) < 1e-5 * size;
+    (same_side && closes).then_some((origin, edges))
+}

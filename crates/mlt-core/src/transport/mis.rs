@@ -1,0 +1,44 @@
+//! Weights of the ways of making one path.
+//!
+//! A path of n vertices can be made with s vertices from the light and n − s from the camera, s = 0 … n − 1, with density
+//! p_s = Π_{i<s} forward_i · Π_{i≥s} reverse_i. Where s ≥ 1 the edge between x_{s−1} and x_s is a connection, which
+//! must not end at a delta vertex: else p_s = 0.
+
+use super::path::PathVertex;
+
+/// p_s. `power`: of the region that x_0 is drawn from.
+pub(super) fn density(vertices: &[PathVertex], s: usize, power: f64) -> f64 {
+    let forward: f64 = vertices[..s].iter().map(|x| x.forward).product();
+    let reverse: f64 = vertices[s..].iter().map(|x| x.reverse).product();
+    if s == 0 { reverse } else { forward / power * reverse }
+}
+
+/// Whether x_{s−1} and x_s may be connected.
+#[inline]
+pub(super) fn connectible(vertices: &[PathVertex], s: usize) -> bool {
+    s == 0 || !(vertices[s - 1].vertex.delta || vertices[s].vertex.delta)
+}
+
+/// The power heuristic's weight of technique s, which must have a positive density: p_s² / Σ_i p_i².
+///
+/// Source: [Veach97], sections 9.2.4 and 10.2.1.
+pub(super) fn weight(vertices: &[PathVertex], s: usize, power: f64) -> f64 {
+    // p_{i+1}/p_i = forward_i/reverse_i, outwards from s, so that what is divided by has been drawn and is not zero.
+    let forward = |i: usize| if i == 0 { vertices[0].forward / power } else { vertices[i].forward };
+    let mut sum = 1.0;
+    let mut ratio = 1.0;
+    for i in s..vertices.len() - 1 {
+        ratio *= forward(i) / vertices[i].reverse;
+        if connectible(vertices, i + 1) {
+            sum += ratio * ratio;
+        }
+    }
+    ratio = 1.0;
+    for i in (0..s).rev() {
+        ratio *= vertices[i].reverse / forward(i);
+        if connectible(vertices, i) {
+            sum += ratio * ratio;
+        }
+    }
+    1.0 / sum
+}

@@ -1,0 +1,187 @@
+//! The bidirectional mutation: delete a subpath, trace a new one.
+//!
+//! With s vertices kept on the light's side and t on the camera's (the camera itself is always kept), d are deleted and a
+//! new ones are traced, a′ of them from the light's side and a − a′ from the camera's, and the two ends are connected:
+//!
+//! T(x→y | s, t) = P(d | n_x) / (n_x − d) · P(a | d) · Σ_{a′} P(a′ | a) Π_{s ≤ i < s+a′} forward_i(y) Π_{s+a′ ≤ i < s+a} reverse_i(y)
+//!
+//! All a′ that could have made y are counted. The way back deletes a and traces d, with the same s and t.
+//!
+//! Source: [VeachGuibas97], section 5.3.1; in a stratum: [Jankauski15], section 4.2.
+
+use super::super::path::{LightPath, PathVertex, View};
+use super::super::stratum::LightStratum;
+use super::super::subpath::{start_at_light, step_from_eye, step_from_light};
+use super::super::{mis, region::LightRegion};
+use crate::engine::uniform;
+use rand_pcg::rand_core::Rng;
+
+/// P(d): relative weights of deleting d = 0, 1, 2 … vertices; each further one half of the last.
+const DELETED: [f64; 3] = [0.25, 0.5, 0.25];
+/// P(a | d): relative weights of |a − d| = 0, 1, 2.
+const CHANGE: [f64; 3] = [0.5, 0.15, 0.05];
+/// Relative weight of the technique that has to hit a light or the image by chance.
+const CHANCE: f64 = 0.25;
+
+/// Deletes a subpath and traces a new one; what replaces the light end starts on the stratum.
+#[derive(Clone, Copy)]
+pub struct BidirectionalMutation<'a> {
+    /// Scene and camera.
+    pub view: View<'a>,
+}
+
+/// Which vertices stay, and how many come between them.
+#[derive(Clone, Copy)]
+struct Edit {
+    /// Vertices kept on the light's side.
+    s: usize,
+    /// Vertices kept on the camera's side.
+    t: usize,
+    /// Vertices between them: before.
+    deleted: usize,
+    /// Vertices between them: after.
+    added: usize,
+}
+
+impl BidirectionalMutation<'_> {
+    /// It applies to every path.
+    pub fn suitability(&self, _current: &LightPath) -> f64 {
+        1.0
+    }
+
+    /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
+    pub fn propose(
+        &self,
+        current: &LightPath,
+        proposal: &mut LightPath,
+        within: &LightStratum,
+        rng: &mut impl Rng,
+    ) -> Option<f64> {
+        let edit = Edit::draw(current.vertices.len(), within.max_edges(), rng)?;
+        let split = edit.draw_split(rng);
+        edit.copy_kept(current, proposal);
+        self.trace(proposal, &edit, split, within.region(), rng)?;
+        let power = within.region().power();
+        let there =
+            edit.probability(current.vertices.len(), within.max_edges()) * edit.density(&proposal.vertices, power);
+        let undo = edit.undo();
+        let back =
+            undo.probability(proposal.vertices.len(), within.max_edges()) * undo.density(&current.vertices, power);
+        Some(back / there)
+    }
+
+    /// Traces the new vertices, `split` of them from the light's side, connects, and evaluates the path.
+    fn trace(
+        &self,
+        path: &mut LightPath,
+        edit: &Edit,
+        split: usize,
+        region: &LightRegion,
+        rng: &mut impl Rng,
+    ) -> Option<()> {
+        let joint = edit.s + split;
+        for i in edit.s..joint {
+            match i {
+                0 => (path.vertices[0], path.light) = start_at_light(&self.view, region, rng),
+                _ => step_from_light(&mut path.vertices, i - 1, &self.view, rng)?,
+            }
+        }
+        for i in (joint..edit.s + edit.added).rev() {
+            step_from_eye(&mut path.vertices, i + 1, &self.view, rng)?;
+        }
+        let changed = edit.s.saturating_sub(1)..=edit.s + edit.added;
+        if joint == 0 {
+            let x = &path.vertices[0].vertex;
+            path.light = self.view.scene.lights().point(x.primitive, x.position)?;
+            return path.update(&self.view, changed);
+        }
+        path.connect(&self.view, joint, changed)
+    }
+}
+
+impl Edit {
+    /// Draws s, t and the number of new vertices for a path of n vertices; `None` where nothing would change.
+    fn draw(n: usize, max_edges: usize, rng: &mut impl Rng) -> Option<Self> {
+        let deleted = draw(n, deletion_weight, rng);
+        let s = ((uniform(rng) * (n - deleted) as f64) as usize).min(n - deleted - 1);
+        let mut edit = Self { s, t: n - deleted - s, deleted, added: 0 };
+        edit.added = draw(deleted + CHANGE.len(), |added| Self { added, ..edit }.addition_weight(max_edges), rng);
+        (edit.deleted + edit.added > 0 && edit.addition_weight(max_edges) > 0.0).then_some(edit)
+    }
+
+    /// The edit that leads back.
+    fn undo(&self) -> Self {
+        Self { deleted: self.added, added: self.deleted, ..*self }
+    }
+
+    /// P(d | n) / (n − d) · P(a | d).
+    fn probability(&self, n: usize, max_edges: usize) -> f64 {
+        let deletions: f64 = (0..n).map(deletion_weight).sum();
+        let most = self.deleted + CHANGE.len();
+        let additions: f64 = (0..most).map(|added| Self { added, ..*self }.addition_weight(max_edges)).sum();
+        deletion_weight(self.deleted) / deletions / (n - self.deleted) as f64 * self.addition_weight(max_edges)
+            / additions
+    }
+
+    /// P(a | d) without its normalisation: 0 for a path of less than an edge or of too many, and for no change at all.
+    fn addition_weight(&self, max_edges: usize) -> f64 {
+        let n = self.s + self.added + self.t;
+        let possible = n >= 2 && n <= max_edges + 1 && self.added + self.deleted > 0;
+        let change = self.added.abs_diff(self.deleted);
+        if possible { CHANGE.get(change).copied().unwrap_or(0.0) } else { 0.0 }
+    }
+
+    /// P(a′ | a) without its normalisation.
+    fn split_weight(&self, split: usize) -> f64 {
+        let hits_light = self.s + split == 0;
+        let hits_image = self.t == 1 && split == self.added;
+        if hits_light || hits_image { CHANCE } else { 1.0 }
+    }
+
+    fn draw_split(&self, rng: &mut impl Rng) -> usize {
+        draw(self.added + 1, |split| self.split_weight(split), rng)
+    }
+
+    /// Σ_{a′} P(a′ | a) Π forward Π reverse over the new vertices of `path`.
+    fn density(&self, path: &[PathVertex], power: f64) -> f64 {
+        // `sum`: over the splits so far, with the vertices so far; the later ones are still to be drawn from the camera.
+        let technique = |split: usize| {
+            if mis::connectible(path, self.s + split) { self.split_weight(split) } else { 0.0 }
+        };
+        let (mut sum, mut forward) = (technique(0), 1.0);
+        for split in 0..self.added {
+            let x = &path[self.s + split];
+            forward *= if self.s + split == 0 { x.forward / power } else { x.forward };
+            sum = sum * x.reverse + forward * technique(split + 1);
+        }
+        sum / (0..=self.added).map(|split| self.split_weight(split)).sum::<f64>()
+    }
+
+    /// Copies what is kept to its new place, with room between.
+    fn copy_kept(&self, from: &LightPath, to: &mut LightPath) {
+        to.light = from.light;
+        to.vertices.clear();
+        to.vertices.extend_from_slice(&from.vertices[..self.s]);
+        to.vertices.extend(std::iter::repeat_n(PathVertex::new(from.vertices[0].vertex), self.added));
+        to.vertices.extend_from_slice(&from.vertices[self.s + self.deleted..]);
+    }
+}
+
+fn deletion_weight(d: usize) -> f64 {
+    match DELETED.get(d) {
+        Some(&weight) => weight,
+        None => DELETED[2] * 0.5f64.powi((d - 2) as i32),
+    }
+}
+
+/// Draws i < `n` with probability weight(i) / Σ weight.
+fn draw(n: usize, weight: impl Fn(usize) -> f64, rng: &mut impl Rng) -> usize {
+    let mut remaining = uniform(rng) * (0..n).map(&weight).sum::<f64>();
+    for i in 0..n {
+        remaining -= weight(i);
+        if remaining < 0.0 {
+            return i;
+        }
+    }
+    n - 1
+}

@@ -1,0 +1,255 @@
+//! The scene as the renderer uses it.
+
+use super::Rgb;
+use super::accel::Accel;
+use super::camera::{Camera, CameraPose};
+use super::description::SceneDescription;
+use super::light::{Light, LightPoint};
+use super::lights::Lights;
+use super::material::Material;
+use super::mesh::Mesh;
+use super::ray::{Hit, Ray};
+use super::space::Space;
+use super::vertex::Vertex;
+use glam::Vec3;
+use std::cell::Cell;
+
+/// What makes a scene unusable.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// There is nothing to see.
+    #[error("the scene has no triangle")]
+    NoTriangle,
+    /// There is nothing to see it by.
+    #[error("the scene has no light: give a material an emission (glTF emissiveFactor, MTL Ke)")]
+    NoLight,
+    /// A mesh refers to a vertex or material that does not exist.
+    #[error("mesh \"{mesh}\" refers to {what} {index}, which does not exist")]
+    BadIndex {
+        /// Name of the mesh.
+        mesh: String,
+        /// "vertex" or "material".
+        what: &'static str,
+        /// The index.
+        index: usize,
+    },
+    /// More triangles than a 32-bit index can name.
+    #[error("the scene has {0} triangles; at most {max} are supported", max = Scene::MOST_TRIANGLES)]
+    TooLarge(usize),
+}
+
+/// A triangle with all that a hit needs, one cache line.
+#[derive(Clone, Copy, Debug)]
+struct Primitive {
+    vertices: [Vec3; 3],
+    normal: Vec3,
+    material: u32,
+    /// Index into `Scene::normals`; `FLAT`: the triangle's own.
+    normals: u32,
+    /// Bound on the error of a point interpolated from the vertices.
+    error: f32,
+}
+
+const FLAT: u32 = u32::MAX;
+
+/// Triangles, materials and lights, in coordinates of the renderer's own ([`Space`]).
+pub struct Scene {
+    accel: Accel,
+    primitives: Vec<Primitive>,
+    normals: Vec<[Vec3; 3]>,
+    materials: Vec<Material>,
+    lights: Lights,
+    space: Space,
+    dropped: usize,
+}
+
+thread_local! {
+    static RAYS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Rays that this thread has traced since it started; differences of it are what a task has traced.
+pub fn rays_traced() -> u64 {
+    RAYS.get()
+}
+
+impl Scene {
+    /// Most triangles in a scene.
+    pub const MOST_TRIANGLES: usize = 1 << 27;
+
+    /// Builds the acceleration structure and finds the lights.
+    ///
+    /// # Errors
+    /// If there is no triangle or no light, or a mesh refers to what is not there.
+    pub fn new(mut description: SceneDescription) -> Result<Self, SceneError> {
+        check(&description)?;
+        let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
+        let SceneDescription { meshes, materials, .. } = description;
+        let space =
+            Space::around(meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
+        let (mut primitives, mut normals) = (Vec::new(), Vec::new());
+        for mesh in &meshes {
+            append(mesh, &space, &mut primitives, &mut normals);
+        }
+        let triangles: Vec<_> = primitives.iter().map(|p: &Primitive| p.vertices).collect();
+        if triangles.is_empty() {
+            return Err(SceneError::NoTriangle);
+        }
+        let lights = Lights::new(&meshes, &materials, &triangles);
+        if lights.lights.is_empty() {
+            return Err(SceneError::NoLight);
+        }
+        let accel = Accel::new(&triangles);
+        Ok(Self { accel, primitives, normals, materials, lights, space, dropped })
+    }
+
+    /// A camera in this scene, for images of `size` pixels.
+    pub fn camera(&self, pose: &CameraPose, size: [u32; 2]) -> Camera {
+        Camera::new(pose, self.space.point(pose.position), size)
+    }
+
+    /// The lights.
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// The materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.primitives.len()
+    }
+
+    /// Triangles left out because a corner's position was not finite.
+    pub fn dropped(&self) -> usize {
+        self.dropped
+    }
+
+    /// A radiance typical of images of this scene: the power over the surface of the sphere around it, over π.
+    pub fn typical_radiance(&self) -> f64 {
+        let radius = f64::from(self.space.radius);
+        self.lights.power() / (4.0 * radius * radius * std::f64::consts::PI.powi(2))
+    }
+
+    /// The first surface along a direction from a vertex.
+    #[inline]
+    pub fn trace(&self, from: &Vertex, direction: Vec3) -> Option<Vertex> {
+        RAYS.set(RAYS.get() + 1);
+        let hit = self.accel.closest(&Ray::new(from.origin(direction), direction))?;
+        Some(self.vertex(&hit))
+    }
+
+    /// Whether nothing stands between two vertices.
+    #[inline]
+    pub fn visible(&self, a: &Vertex, b: &Vertex) -> bool {
+        RAYS.set(RAYS.get() + 1);
+        let towards_b = b.position - a.position;
+        let (from, to) = (a.origin(towards_b), b.origin(-towards_b));
+        !self.accel.occluded(&Ray { origin: from, direction: to - from, t_max: 1.0 })
+    }
+
+    /// The light and the vertex at a point of the lights.
+    #[inline]
+    pub(super) fn light_point(&self, point: &LightPoint) -> (&Light, Vertex) {
+        let light = &self.lights.lights[point.light as usize];
+        let (primitive, position) = light.at(point.u, point.v);
+        (light, self.vertex_at(primitive, position, None))
+    }
+
+    /// The material of a vertex on a surface.
+    #[inline]
+    pub(super) fn material(&self, vertex: &Vertex) -> &Material {
+        &self.materials[vertex.material as usize]
+    }
+
+    /// Radiance that a vertex emits into a direction.
+    #[inline]
+    pub fn emitted(&self, vertex: &Vertex, direction: Vec3) -> Rgb {
+        let material = self.material(vertex);
+        if material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0 {
+            material.emission
+        } else {
+            Rgb::ZERO
+        }
+    }
+
+    #[inline]
+    fn vertex(&self, hit: &Hit) -> Vertex {
+        let p = &self.primitives[hit.primitive as usize];
+        let mix = |[a, b, c]: [Vec3; 3]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c;
+        let smooth = (p.normals != FLAT).then(|| mix(self.normals[p.normals as usize]));
+        self.vertex_at(hit.primitive, mix(p.vertices), smooth)
+    }
+
+    #[inline]
+    fn vertex_at(&self, primitive: u32, position: Vec3, smooth_normal: Option<Vec3>) -> Vertex {
+        let p = &self.primitives[primitive as usize];
+        let shading_normal = match smooth_normal {
+            None => p.normal,
+            Some(n) => n.normalize_or(p.normal) * 1f32.copysign(n.dot(p.normal)),
+        };
+        Vertex {
+            position,
+            geometric_normal: p.normal,
+            shading_normal,
+            primitive,
+            material: p.material,
+            error: p.error,
+            delta: self.materials[p.material as usize].bsdf.is_delta(),
+        }
+    }
+}
+
+fn check(description: &SceneDescription) -> Result<(), SceneError> {
+    let total: usize = description.meshes.iter().map(|m| m.triangles.len()).sum();
+    if total > Scene::MOST_TRIANGLES {
+        return Err(SceneError::TooLarge(total));
+    }
+    for mesh in &description.meshes {
+        let bad = |what, index: u32| SceneError::BadIndex { mesh: mesh.name.clone(), what, index: index as usize };
+        if mesh.material as usize >= description.materials.len() {
+            return Err(bad("material", mesh.material));
+        }
+        if let Some(&i) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= mesh.positions.len()) {
+            return Err(bad("vertex", i));
+        }
+    }
+    Ok(())
+}
+
+/// Drops triangles with a corner that is not finite; returns how many.
+fn drop_unusable(mesh: &mut Mesh) -> usize {
+    let before = mesh.triangles.len();
+    let Mesh { positions, triangles, .. } = mesh;
+    triangles.retain(|t| t.iter().all(|&i| positions[i as usize].is_finite()));
+    before - triangles.len()
+}
+
+fn append(mesh: &Mesh, space: &Space, primitives: &mut Vec<Primitive>, normals: &mut Vec<[Vec3; 3]>) {
+    let smooth = mesh.normals.len() == mesh.positions.len();
+    for triangle in &mesh.triangles {
+        let vertices = triangle.map(|i| space.point(mesh.positions[i as usize]));
+        let [a, b, c] = vertices.map(Vec3::as_dvec3);
+        let normal = (b - a).cross(c - a).normalize_or(glam::DVec3::Z).as_vec3();
+        let corner_normals = if smooth { triangle.map(|i| mesh.normals[i as usize]) } else { [normal; 3] };
+        let flat = corner_normals.iter().all(|n| n.distance(normal) < 1e-6);
+        let largest = vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max);
+        primitives.push(Primitive {
+            vertices,
+            normal,
+            material: mesh.material,
+            normals: if flat { FLAT } else { normals.len() as u32 },
+            error: ERROR_FACTOR * largest,
+        });
+        if !flat {
+            normals.push(corner_normals);
+        }
+    }
+}
+
+/// Bound on the error of an interpolated position and of the intersection test near it, relative to the largest
+/// coordinate of the triangle: 16 units in the last place of f32.
+const ERROR_FACTOR: f32 = 16.0 * f32::EPSILON;

@@ -1,0 +1,58 @@
+//! Tracing of subpaths, one vertex at a time.
+//!
+//! Both kinds fill slots of one array in the order of the finished path: a light subpath grows towards larger indices,
+//! a camera subpath towards smaller ones. A finished path needs no turning round.
+
+use super::light::LightPoint;
+use super::path::{PathVertex, View, set_edge};
+use super::region::LightRegion;
+use crate::engine::{uniform, uniform_f32};
+use glam::{Vec2, Vec3};
+use rand_pcg::rand_core::Rng;
+
+/// Draws x_0 on `region`, with density M/power per area.
+#[inline]
+pub(super) fn start_at_light(view: &View, region: &LightRegion, rng: &mut impl Rng) -> (PathVertex, LightPoint) {
+    let point = region.sample(uniform(rng), f64::from(uniform_f32(rng)));
+    let (light, vertex) = view.scene.light_point(&point);
+    let mut x = PathVertex::new(vertex);
+    x.forward = light.exitance();
+    (x, point)
+}
+
+/// Draws x_{i+1} from x_i, and sets the edge between them. The edge from x_{i−1} must be set.
+#[inline]
+pub(super) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
+    let x = &vertices[i].vertex;
+    let direction = match i {
+        0 => view.scene.sample_emission(x, rng),
+        _ => view.scene.sample(x, -vertices[i - 1].to_eye, rng)?,
+    };
+    vertices[i + 1] = PathVertex::new(view.scene.trace(x, direction)?);
+    set_edge(vertices, i)
+}
+
+/// Follows the ray through a point of the image from the camera x_i to x_{i−1}, and sets the edge between them.
+#[inline]
+pub(super) fn start_at_eye(vertices: &mut [PathVertex], i: usize, image: Vec2, view: &View) -> Option<()> {
+    follow_from_eye(vertices, i, view.camera.direction(image), view)
+}
+
+/// Draws x_{i−1} from x_i, and sets the edge between them. The edge to x_{i+1} must be set.
+#[inline]
+pub(super) fn step_from_eye(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
+    let x = &vertices[i];
+    if x.vertex.is_camera() {
+        let image = Vec2::new(uniform_f32(rng), uniform_f32(rng));
+        return start_at_eye(vertices, i, image, view);
+    }
+    let direction = view.scene.sample(&x.vertex, x.to_eye, rng)?;
+    follow_from_eye(vertices, i, direction, view)
+}
+
+/// Follows a direction from x_i to x_{i−1}, and sets the edge between them.
+#[inline]
+pub(super) fn follow_from_eye(vertices: &mut [PathVertex], i: usize, direction: Vec3, view: &View) -> Option<()> {
+    vertices[i - 1] = PathVertex::new(view.scene.trace(&vertices[i].vertex, direction)?);
+    set_edge(vertices, i - 1)
+}

@@ -1,0 +1,53 @@
+//! A point on a surface, or on the camera.
+
+use glam::Vec3;
+
+/// `Vertex::primitive` of the camera.
+pub const CAMERA: u32 = u32::MAX;
+
+/// A path's vertex: where it is and how the surface lies there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Scene units.
+    pub position: Vec3,
+    /// Unit normal of the triangle, on its front; of the camera: its viewing direction.
+    pub geometric_normal: Vec3,
+    /// Unit interpolated normal, on the side of `geometric_normal`.
+    pub shading_normal: Vec3,
+    /// Triangle, or [`CAMERA`].
+    pub primitive: u32,
+    /// Index into the scene's materials; 0 for the camera.
+    pub material: u32,
+    /// Bound on the error of `position`, scene units.
+    pub error: f32,
+    /// Whether it scatters into discrete directions only, so that nothing can be connected to it.
+    pub delta: bool,
+}
+
+impl Vertex {
+    /// The camera at `position`, looking along `forward`.
+    pub fn camera(position: Vec3, forward: Vec3) -> Self {
+        Self {
+            position,
+            geometric_normal: forward,
+            shading_normal: forward,
+            primitive: CAMERA,
+            material: 0,
+            error: 0.0,
+            delta: false,
+        }
+    }
+
+    /// Whether this is the camera.
+    #[inline]
+    pub fn is_camera(&self) -> bool {
+        self.primitive == CAMERA
+    }
+
+    /// Start of a ray that leaves into `direction`: moved off the surface by the bound on the position's error, so that
+    /// the ray does not meet the surface it leaves.
+    #[inline]
+    pub fn origin(&self, direction: Vec3) -> Vec3 {
+        self.position + self.geometric_normal * self.error.copysign(self.geometric_normal.dot(direction))
+    }
+}

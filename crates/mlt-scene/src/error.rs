@@ -1,0 +1,101 @@
+//! What can be wrong with a scene file.
+
+use crate::builtin::BUILTIN;
+use std::{io, path::PathBuf};
+
+/// Why a scene was not loaded: one sentence that names the file, the place and the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// Neither a file nor a built-in scene.
+    #[error(
+        "`{name}` is neither a file nor a built-in scene; give a .gltf, .glb or .obj file, or one of {}",
+        BUILTIN.join(", ")
+    )]
+    NotFound {
+        /// As the caller wrote it.
+        name: String,
+    },
+    /// The operating system refused.
+    #[error("{path}: cannot be read ({source}); check that it exists and may be read")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// A folder, a device or a pipe.
+    #[error("{path}: not a regular file; name a file and no folder or device")]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+    },
+    /// An extension that no loader knows.
+    #[error("{path}: the format is not known by its extension; convert the scene to .gltf, .glb or .obj")]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file does not parse.
+    #[error("{path}: does not parse as {format} ({reason}); export the scene again or repair the file there")]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The format that its extension promises.
+        format: &'static str,
+        /// The parser's words, with the position where it knows it.
+        reason: String,
+    },
+    /// The file parses, but what it says cannot be.
+    #[error("{path}: {place}: {reason}; {remedy}")]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// The element at fault.
+        place: String,
+        /// What is wrong with it.
+        reason: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// Geometry in an encoding that is not read.
+    #[error("{path}: the extension {extension} is not supported; export the scene again without mesh compression")]
+    Compressed {
+        /// The file.
+        path: PathBuf,
+        /// The extension's name.
+        extension: String,
+    },
+    /// A reference that leaves the scene's folder.
+    #[error(
+        "{path}: `{uri}` lies outside of the scene's folder; put the file beside the scene and name it by a relative path"
+    )]
+    Outside {
+        /// The scene file.
+        path: PathBuf,
+        /// The reference.
+        uri: String,
+    },
+    /// More than this program will try to hold.
+    #[error("{path}: {place}: {what} exceed the limit of {limit}; split or simplify the scene")]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The element at fault.
+        place: String,
+        /// What there is too much of.
+        what: &'static str,
+        /// How much is read at most.
+        limit: u64,
+    },
+    /// A parser gave up on the input by panicking.
+    #[error(
+        "{path}: the parser failed on this file ({reason}); export the scene again, with another program if need be"
+    )]
+    Parser {
+        /// The file.
+        path: PathBuf,
+        /// The panic's message.
+        reason: String,
+    },
+}

@@ -1,0 +1,81 @@
+//! glTF's mesh primitives.
+
+use super::{CHECK, accessor::Reader, graph::place};
+use crate::{SceneError, geometry::RawMesh};
+use glam::{DMat3, DMat4, DVec3};
+use gltf::{Node, Primitive, Semantic, mesh::Mode};
+use mlt_core::transport::mesh::Mesh;
+
+/// The primitive in world space; `None`: it has no triangles.
+pub(super) fn mesh(
+    reader: &mut Reader,
+    node: &Node,
+    primitive: &Primitive,
+    to_world: &DMat4,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Mesh>, SceneError> {
+    let place = format!("{}, primitive {}", place(node), primitive.index());
+    let Some(positions) = primitive.get(&Semantic::Positions) else {
+        warnings.push(format!("{place}: there are no positions; it is left out"));
+        return Ok(None);
+    };
+    let positions = reader.vectors(&positions)?;
+    let mut normals = primitive.get(&Semantic::Normals).map(|a| reader.vectors(&a)).transpose()?;
+    if normals.as_ref().is_some_and(|n| n.len() != positions.len()) {
+        warnings.push(format!("{place}: there are not as many normals as positions; they are left out"));
+        normals = None;
+    }
+    let corners = corners(reader, primitive, positions.len(), &place)?;
+    let Some(mut triangles) = triangles(primitive.mode(), &corners) else {
+        warnings.push(format!("{place}: points and lines are not supported; they are left out"));
+        return Ok(None);
+    };
+    let linear = DMat3::from_mat4(*to_world);
+    let mirrored = linear.determinant() < 0.0;
+    if mirrored {
+        triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    let to_world_normal = cofactors(linear) * if mirrored { -1.0 } else { 1.0 };
+    let normals = normals.as_deref();
+    let raw = RawMesh {
+        name: node.name().or_else(|| node.mesh()?.name()).map_or_else(|| place.clone(), str::to_owned),
+        triangles,
+        position: |i| to_world.transform_point3(vector(&positions, i)),
+        normal: normals.map(|n| move |i| (to_world_normal * vector(n, i)).normalize_or_zero().as_vec3()),
+    };
+    Ok(raw.finish(warnings))
+}
+
+/// The vertex at each corner, in range.
+fn corners(reader: &Reader, primitive: &Primitive, vertices: usize, place: &str) -> Result<Vec<u32>, SceneError> {
+    let Some(accessor) = primitive.indices() else {
+        return Ok((0..vertices as u32).collect());
+    };
+    let corners = reader.indices(&accessor)?;
+    match corners.iter().find(|&&c| c as usize >= vertices) {
+        Some(c) => Err(reader.source.invalid(place, format!("the index {c} is beyond its {vertices} vertices"), CHECK)),
+        None => Ok(corners),
+    }
+}
+
+/// Counter-clockwise triangles; `None`: the mode draws none.
+fn triangles(mode: Mode, corners: &[u32]) -> Option<Vec<[u32; 3]>> {
+    let windows = corners.windows(3);
+    Some(match mode {
+        Mode::Triangles => corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        Mode::TriangleStrip => {
+            windows.enumerate().map(|(i, c)| if i % 2 == 0 { [c[0], c[1], c[2]] } else { [c[0], c[2], c[1]] }).collect()
+        }
+        Mode::TriangleFan => windows.map(|c| [c[1], c[2], corners[0]]).collect(),
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return None,
+    })
+}
+
+/// The inverse transpose times the determinant: it maps normals, also where the matrix is singular.
+fn cofactors(m: DMat3) -> DMat3 {
+    DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+}
+
+fn vector(vectors: &[[f32; 3]], i: u32) -> DVec3 {
+    DVec3::from_array(vectors[i as usize].map(f64::from))
+}

@@ -1,0 +1,110 @@
+//! The scene file and the files beside it; nothing outside of its folder is ever read.
+
+use crate::SceneError;
+use std::{
+    fs,
+    path::{Component, Path, PathBuf},
+};
+
+/// The largest file that is read, bytes.
+const MAX_FILE: u64 = 8 << 30;
+
+/// Files that are part of the program: name and content.
+pub(crate) type Embedded = &'static [(&'static str, &'static [u8])];
+
+/// Where a scene comes from.
+pub(crate) struct Source {
+    /// The scene file, for messages; on disk it is also what is read.
+    pub path: PathBuf,
+    embedded: Option<Embedded>,
+}
+
+impl Source {
+    /// A file on disk.
+    pub fn file(path: &Path) -> Self {
+        Self { path: path.to_owned(), embedded: None }
+    }
+
+    /// The first of `files`; the others lie beside it.
+    pub fn embedded(files: Embedded) -> Self {
+        Self { path: files.first().map_or_else(PathBuf::new, |f| f.0.into()), embedded: Some(files) }
+    }
+
+    /// The scene file's content.
+    pub fn read(&self) -> Result<Vec<u8>, SceneError> {
+        match self.embedded {
+            Some(_) => self.read_beside(&self.path.to_string_lossy()),
+            None => read_file(&self.path),
+        }
+    }
+
+    /// The content of the file at the relative path `name` below the scene's folder.
+    pub fn read_beside(&self, name: &str) -> Result<Vec<u8>, SceneError> {
+        let name = name.replace('\\', "/");
+        let outside = || SceneError::Outside { path: self.path.clone(), uri: name.clone() };
+        if has_scheme(&name) || leaves_folder(Path::new(&name)) {
+            return Err(outside());
+        }
+        if let Some(files) = self.embedded {
+            let found = files.iter().find(|f| f.0 == name);
+            return found.map(|f| f.1.to_vec()).ok_or(SceneError::NotFound { name });
+        }
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let path = folder.join(&name);
+        let real = |p: &Path| p.canonicalize().map_err(|source| SceneError::Read { path: p.to_owned(), source });
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        if !real(&path)?.starts_with(real(folder)?) {
+            return Err(outside());
+        }
+        read_file(&path)
+    }
+
+    /// The error that `place` cannot be because of `reason`.
+    pub fn invalid(&self, place: impl Into<String>, reason: impl Into<String>, remedy: &'static str) -> SceneError {
+        SceneError::Invalid { path: self.path.clone(), place: place.into(), reason: reason.into(), remedy }
+    }
+
+    /// The error that `place` has more than `limit` of `what`.
+    pub fn too_large(&self, place: impl Into<String>, what: &'static str, limit: usize) -> SceneError {
+        SceneError::TooLarge { path: self.path.clone(), place: place.into(), what, limit: limit as u64 }
+    }
+}
+
+/// Whether `uri` starts like `file:` or `https:`.
+pub(crate) fn has_scheme(uri: &str) -> bool {
+    let is_scheme = |s: &str| {
+        s.starts_with(|c: char| c.is_ascii_alphabetic())
+            && s.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.'))
+    };
+    uri.split_once(':').is_some_and(|(head, _)| is_scheme(head))
+}
+
+/// Whether a path is absolute or climbs above where it starts.
+fn leaves_folder(path: &Path) -> bool {
+    let mut depth = 0;
+    for component in path.components() {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::CurDir => {}
+            Component::ParentDir => depth -= 1,
+            Component::RootDir | Component::Prefix(_) => return true,
+        }
+        if depth < 0 {
+            return true;
+        }
+    }
+    false
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
+    let failed = |source| SceneError::Read { path: path.to_owned(), source };
+    let metadata = fs::metadata(path).map_err(failed)?;
+    if !metadata.is_file() {
+        return Err(SceneError::NotAFile { path: path.to_owned() });
+    }
+    if metadata.len() > MAX_FILE {
+        let place = "the file".to_owned();
+        return Err(SceneError::TooLarge { path: path.to_owned(), place, what: "bytes", limit: MAX_FILE });
+    }
+    fs::read(path).map_err(failed)
+}

@@ -1,0 +1,344 @@
+//! glTF files of every kind: what loads, what warns, what is refused.
+
+mod scene_support;
+
+use glam::{DVec3, Vec3};
+use mlt_core::transport::{bsdf::Bsdf, mesh::Mesh};
+use scene_support::{Document, f32s, load_files};
+use serde_json::{Value, json};
+
+fn geometric_normal(mesh: &Mesh, triangle: usize) -> DVec3 {
+    let [a, b, c] = mesh.triangles[triangle].map(|i| mesh.positions[i as usize]);
+    (b - a).cross(c - a).normalize()
+}
+
+fn only_mesh(document: &Document) -> Mesh {
+    let loaded = document.loaded();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    loaded.description.meshes[0].clone()
+}
+
+fn warning(document: &Document, needle: &str) {
+    let warnings = document.loaded().warnings;
+    assert_eq!(warnings.iter().filter(|w| w.contains(needle)).count(), 1, "{needle:?} in {warnings:?}");
+}
+
+#[test]
+fn text_binary_and_data_uri_say_the_same() {
+    let document = Document::new();
+    let text = format!("{:?}", document.loaded().description);
+    let glb = load_files(&[("scene.glb", &document.glb())]).unwrap();
+    assert_eq!(text, format!("{:?}", glb.description));
+
+    let base64 = |bytes: &[u8]| {
+        const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        let mut text = String::new();
+        for group in bytes.chunks(3) {
+            let bits = (0..3).fold(0, |v, k| v << 8 | u32::from(*group.get(k).unwrap_or(&0)));
+            (0..=group.len()).for_each(|k| text.push(DIGITS[(bits >> (18 - 6 * k) & 63) as usize] as char));
+        }
+        text + ["", "==", "="][bytes.len() % 3]
+    };
+    let percent: String = document.bin.iter().map(|b| format!("%{b:02x}")).collect();
+    let encoded = base64(&document.bin);
+    for uri in [
+        format!("data:application/octet-stream;base64,{encoded}"),
+        format!("data:;base64,{}", encoded.trim_end_matches('=')),
+        format!("data:application/gltf-buffer,{percent}"),
+    ] {
+        let loaded = document.clone().with("/buffers/0/uri", uri.into()).loaded();
+        assert_eq!(text, format!("{:?}", loaded.description));
+    }
+}
+
+#[test]
+fn file_names_are_percent_decoded_and_may_lie_in_a_sub_folder() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let document = Document::new().with("/buffers/0/uri", "./parts/my%20part.bin".into());
+    document.write(folder.path());
+    std::fs::create_dir(folder.path().join("parts")).unwrap();
+    std::fs::rename(folder.path().join("scene.bin"), folder.path().join("parts/my part.bin")).unwrap();
+    mlt_scene::load(&folder.path().join("scene.gltf")).unwrap();
+}
+
+#[test]
+fn every_index_type_and_none_give_the_same_triangle() {
+    let reference = only_mesh(&Document::new());
+    assert_eq!(reference.triangles, [[0, 1, 2]]);
+    assert_eq!(reference.normals, [Vec3::Z; 3], "normals are made unit");
+    for (component, bytes) in [(5121, vec![0, 1, 2]), (5125, vec![0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0])] {
+        let document = Document::new().with_view(&bytes).with("/accessors/2/bufferView", 3.into());
+        let mesh = only_mesh(&document.with("/accessors/2/componentType", component.into()));
+        assert_eq!(mesh.positions, reference.positions);
+    }
+    let mut document = Document::new();
+    document.json["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("indices");
+    assert_eq!(only_mesh(&document).positions, reference.positions);
+}
+
+#[test]
+fn strips_and_fans_keep_the_front() {
+    let strip = [0., 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.];
+    let fan = [0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.];
+    for (mode, corners) in [(5, strip), (6, fan)] {
+        let document = Document::new()
+            .with_view(&f32s(&corners))
+            .with("/accessors/0/bufferView", 3.into())
+            .with("/accessors/0/count", 4.into())
+            .with("/meshes/0/primitives/0", json!({ "attributes": { "POSITION": 0 }, "mode": mode }));
+        let mesh = only_mesh(&document);
+        assert_eq!(mesh.triangles.len(), 2);
+        assert!((0..2).all(|t| geometric_normal(&mesh, t) == DVec3::Z));
+        assert!(mesh.normals.is_empty());
+    }
+    for mode in 0..4 {
+        warning(&Document::new().with("/meshes/0/primitives/0/mode", mode.into()), "points and lines");
+    }
+}
+
+#[test]
+fn transforms_move_points_and_normals_and_mirroring_keeps_the_front() {
+    let nested = Document::new()
+        .with("/scenes/0/nodes", json!([1, 2]))
+        .with("/nodes/-", json!({ "children": [0], "translation": [10, 0, 0], "rotation": [0, 0.5, 0, 0.5] }))
+        .with("/nodes/0/scale", json!([2, 3, -4]));
+    let mesh = only_mesh(&nested);
+    // Mirrored in z and turned by 90° about y: the front, +z, becomes -z and then -x.
+    assert!(geometric_normal(&mesh, 0).distance(DVec3::NEG_X) < 1e-6);
+    assert!(mesh.normals.iter().all(|n| n.distance(Vec3::NEG_X) < 1e-6));
+    assert!(mesh.positions.iter().any(|p| p.distance(DVec3::new(10.0, 0.0, -2.0)) < 1e-5));
+
+    let sheared = [1., 0., 0.5, 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+    let mesh = only_mesh(&Document::new().with("/nodes/0/matrix", json!(sheared)));
+    let normal = geometric_normal(&mesh, 0);
+    assert!(mesh.normals.iter().all(|n| n.as_dvec3().distance(normal) < 1e-6), "normals map by the inverse transpose");
+}
+
+#[test]
+fn sparse_and_quantised_positions_are_read() {
+    let sparse = Document::new().with_view(&[2, 0]).with_view(&f32s(&[0., 5., 0.])).with(
+        "/accessors/0/sparse",
+        json!({ "count": 1, "indices": { "bufferView": 3, "componentType": 5123 }, "values": { "bufferView": 4 } }),
+    );
+    assert_eq!(only_mesh(&sparse).positions[2], DVec3::new(0.0, 5.0, 0.0));
+    let error = sparse.clone().with("/accessors/0/sparse/indices/byteOffset", 40.into()).error();
+    assert!(error.contains("accessors[0]"), "{error}");
+    let mut out_of_range = sparse;
+    out_of_range.bin[80] = 3;
+    assert!(out_of_range.error().contains("sparse index"));
+
+    let quantised = Document::new()
+        .with_view(&[0, 0, 0, 0, 127, 0, 0, 0, 0, 129, 0, 0])
+        .with("/bufferViews/3/byteStride", 4.into())
+        .with(
+            "/accessors/0",
+            json!({ "bufferView": 3, "componentType": 5120, "normalized": true, "count": 3, "type": "VEC3" }),
+        )
+        .with("/extensionsRequired", json!(["KHR_mesh_quantization"]));
+    assert_eq!(only_mesh(&quantised).positions[2], DVec3::NEG_Y);
+}
+
+#[test]
+fn cameras_stand_where_their_nodes_stand() {
+    let turned = json!({ "name": "eye", "camera": 0, "translation": [1, 2, 3], "scale": [2, 2, 2],
+                         "rotation": [0, 1, 0, 0] });
+    let loaded =
+        Document::new().with("/nodes/1", turned).with("/cameras/0/perspective/aspectRatio", 1.5.into()).loaded();
+    let camera = &loaded.description.cameras[0];
+    assert_eq!(camera.position, DVec3::new(1.0, 2.0, 3.0));
+    assert!(camera.forward.distance(Vec3::Z) < 1e-6 && camera.up.distance(Vec3::Y) < 1e-6);
+    assert_eq!((camera.vertical_fov, camera.aspect_ratio, camera.name.as_str()), (1.0, Some(1.5), "eye"));
+
+    let orthographic =
+        json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 1, "znear": 0, "zfar": 9 } });
+    warning(&Document::new().with("/cameras/0", orthographic), "orthographic");
+    warning(&Document::new().with("/cameras/0/perspective/yfov", 4.0.into()), "field of view");
+}
+
+#[test]
+fn materials_emit_and_reflect() {
+    let material = json!({
+        "name": "lamp", "doubleSided": true, "emissiveFactor": [1, 0.5, 0],
+        "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.25, 0.125, 1], "metallicFactor": 0 },
+        "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 20 },
+                        "KHR_materials_specular": { "specularFactor": 0 } }
+    });
+    let loaded = Document::new().with("/materials/0", material).loaded();
+    let lamp = &loaded.description.materials[0];
+    assert_eq!(lamp.emission, Vec3::new(20.0, 10.0, 0.0));
+    assert!(lamp.emits_both_sides);
+    assert!(matches!(&lamp.bsdf, Bsdf::Lambert(l) if l.reflectance == Vec3::new(0.5, 0.25, 0.125)));
+
+    let mut document = Document::new();
+    document.json["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("material");
+    let scene = document.loaded().description;
+    assert_eq!((scene.meshes[0].material, scene.materials[1].name.as_str()), (1, "default"));
+}
+
+#[test]
+fn what_is_left_out_is_named() {
+    let with_texture = Document::new()
+        .with("/images", json!([{ "uri": "a.png" }]))
+        .with("/textures", json!([{ "source": 0 }]))
+        .with("/materials/0/pbrMetallicRoughness", json!({ "baseColorTexture": { "index": 0 } }))
+        .with("/materials/0/alphaMode", "BLEND".into());
+    warning(&with_texture, "`paint`: baseColorTexture, alphaMode BLEND");
+    let coat = json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 1 },
+                       "KHR_materials_volume": { "attenuationDistance": 1, "attenuationColor": [1, 0, 0] } });
+    let coated = Document::new().with("/materials/0/extensions", coat);
+    let coated = coated.with("/extensionsUsed", json!(["KHR_materials_clearcoat", "EXT_mesh_gpu_instancing"]));
+    warning(&coated, "`paint`: attenuation in the volume, KHR_materials_clearcoat");
+    warning(&coated, "extension EXT_mesh_gpu_instancing");
+
+    let lit = Document::new()
+        .with("/extensions", json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "name": "bulb" }] } }))
+        .with("/nodes/0/extensions", json!({ "KHR_lights_punctual": { "light": 0 } }))
+        .with("/skins", json!([{ "joints": [1] }]))
+        .with("/nodes/0/skin", 0.into())
+        .with("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]))
+        .with("/meshes/0/primitives/0/attributes/COLOR_0", 0.into())
+        .with("/animations", json!([{ "channels": [], "samplers": [] }]));
+    warning(&lit, "light `bulb`, the skin, morph targets, vertex colours");
+    warning(&lit, "animations");
+    warning(&Document::new().with("/materials/0/emissiveFactor", json!([-1, 0, 0])), "emission is -1");
+}
+
+#[test]
+fn bad_vertices_are_dropped_and_bad_normals_replaced() {
+    let mut document = Document::new();
+    document.bin[8..12].copy_from_slice(&f32::NAN.to_le_bytes());
+    warning(&document, "mesh `thing`: 1 vertices");
+    warning(&document, "no triangles");
+    let mut document = Document::new();
+    document.bin[36..48].copy_from_slice(&f32s(&[f32::NAN, 0., 0.]));
+    warning(&document, "1 normals have no direction");
+    assert_eq!(document.loaded().description.meshes[0].normals, [Vec3::Z; 3]);
+}
+
+/// Each of these once made a loader panic, read a foreign file, or return nonsense.
+#[test]
+fn what_cannot_be_is_refused_with_a_reason() {
+    let cases: &[(&str, Value, &str)] = &[
+        ("/asset/version", "1.0".into(), "asset"),
+        ("/scene", 7.into(), "scene"),
+        ("/nodes/0/mesh", 7.into(), "nodes[0].mesh"),
+        ("/nodes/0/children", json!([0]), "nodes[0]"),
+        ("/nodes/1/children", json!([0]), "two parents"),
+        ("/accessors/0/bufferView", 9.into(), "accessors[0].bufferView"),
+        ("/accessors/0/count", 4.into(), "accessors[0]"),
+        ("/accessors/0/count", u64::MAX.into(), "accessors[0]"),
+        ("/accessors/0/byteOffset", u64::MAX.into(), "accessors[0]"),
+        ("/accessors/0/type", "VEC2".into(), "accessors[0]"),
+        ("/accessors/0/componentType", 1.into(), "accessors[0]"),
+        ("/accessors/2/componentType", 5126.into(), "accessors[2]"),
+        ("/accessors/2/type", "VEC2".into(), "accessors[2]"),
+        ("/accessors/0", json!({ "componentType": 5126, "count": 3_000_000_000u64, "type": "VEC3" }), "accessors[0]"),
+        ("/bufferViews/0/byteLength", 1000.into(), "beyond its buffer"),
+        ("/bufferViews/0/byteOffset", u64::MAX.into(), "accessors[0]"),
+        ("/buffers/0/byteLength", 81.into(), "81 bytes are announced and 80"),
+        ("/buffers/0/uri", "missing.bin".into(), "missing.bin"),
+        ("/buffers/0/uri", Value::Null, "buffers[0]"),
+        ("/buffers/0/uri", "%ff.bin".into(), "UTF-8"),
+        ("/buffers/0/uri", "%f".into(), "percent"),
+        ("/buffers/0/uri", "a%00b".into(), "cannot be read"),
+        ("/buffers/0/uri", "".into(), "regular file"),
+        ("/buffers/0/uri", "data:;base64,####".into(), "base64"),
+        ("/buffers/0/uri", "data:".into(), "data URI"),
+        ("/buffers/0/uri", "/etc/passwd".into(), "outside"),
+        ("/buffers/0/uri", "../secret.bin".into(), "outside"),
+        ("/buffers/0/uri", "a/../../secret.bin".into(), "outside"),
+        ("/buffers/0/uri", "%2e%2e/secret.bin".into(), "outside"),
+        ("/buffers/0/uri", "..\\secret.bin".into(), "outside"),
+        ("/buffers/0/uri", "file:///etc/passwd".into(), "outside"),
+        ("/buffers/0/uri", "http://example.org/a.bin".into(), "outside"),
+        ("/extensionsRequired", json!(["KHR_draco_mesh_compression"]), "KHR_draco_mesh_compression"),
+        ("/extensionsRequired", json!(["EXT_meshopt_compression"]), "EXT_meshopt_compression"),
+        ("/meshes/0/primitives/0/mode", 9.into(), "mode"),
+        ("/materials/0/name", 3.into(), "does not parse"),
+    ];
+    for (pointer, value, needle) in cases {
+        let error = Document::new().with(pointer, value.clone()).error();
+        assert!(error.contains(needle), "{pointer} = {value}: {error}");
+    }
+    let mut document = Document::new();
+    document.bin[72] = 3;
+    assert!(document.error().contains("index 3 is beyond its 3 vertices"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_out_of_the_folder_is_refused() {
+    let outside = tempfile::NamedTempFile::new().unwrap();
+    let folder = tempfile::TempDir::new().unwrap();
+    Document::new().write(folder.path());
+    std::fs::remove_file(folder.path().join("scene.bin")).unwrap();
+    std::os::unix::fs::symlink(outside.path(), folder.path().join("scene.bin")).unwrap();
+    let error = mlt_scene::load(&folder.path().join("scene.gltf")).unwrap_err().to_string();
+    assert!(error.contains("outside"), "{error}");
+}
+
+#[test]
+fn files_that_are_no_scenes_are_refused() {
+    for (name, content, needle) in [
+        ("scene.gltf", &b""[..], "does not parse as glTF"),
+        ("scene.gltf", b"{}", "does not parse as glTF"),
+        ("scene.gltf", b"[[[[", "line 1"),
+        ("scene.glb", b"glTF", "does not parse as binary glTF"),
+        ("scene.glb", b"glTF\x02\0\0\0\0\0\0\0", "scene.glb"),
+        ("scene.fbx", b"", "convert"),
+        ("scene.", b"", "convert"),
+    ] {
+        let error = load_files(&[(name, content)]).unwrap_err().to_string();
+        scene_support::check_sentence(&error);
+        assert!(error.contains(needle), "{name} {content:?}: {error}");
+    }
+    let deep = "[".repeat(1 << 20);
+    assert!(load_files(&[("scene.gltf", deep.as_bytes())]).is_err());
+}
+
+#[test]
+fn a_chain_of_many_nodes_needs_no_deep_stack() {
+    let mut document = Document::new().with("/scenes/0/nodes", json!([2]));
+    const DEPTH: usize = 100_000;
+    let nodes = document.json["nodes"].as_array_mut().unwrap();
+    nodes.extend((3..DEPTH).map(|next| json!({ "children": [next] })));
+    nodes.push(json!({ "children": [0, 1] }));
+    assert_eq!(document.loaded().description.meshes.len(), 1);
+}
+
+#[test]
+fn a_small_file_cannot_ask_for_much_memory() {
+    let sparse =
+        json!({ "count": 1, "indices": { "bufferView": 2, "componentType": 5123 }, "values": { "bufferView": 0 } });
+    for count in [2_000_000u64, 4_000_000_000, u64::MAX / 2] {
+        let accessor = json!({ "componentType": 5126, "count": count, "type": "VEC3", "sparse": sparse.clone() });
+        assert!(Document::new().with("/accessors/0", accessor).error().contains("exceed the limit"));
+        let accessor = json!({ "componentType": 5123, "count": count, "type": "SCALAR", "sparse": sparse.clone() });
+        assert!(Document::new().with("/accessors/2", accessor).error().contains("exceed the limit"));
+    }
+    let accessor = json!({ "componentType": 5125, "count": 1_000_000, "type": "SCALAR", "sparse": sparse });
+    let mut crowd = Document::new().with("/accessors/2", accessor);
+    let thing = crowd.json["nodes"][0].clone();
+    crowd.json["nodes"].as_array_mut().unwrap().extend(vec![thing; 500]);
+    let crowd = crowd.with("/scenes/0/nodes", (2..500).collect::<Vec<_>>().into());
+    assert!(crowd.error().contains("corners of the scene so far exceed the limit"));
+}
+
+#[test]
+fn glass_is_solid_with_a_volume_and_thin_without() {
+    let glass = |extensions: Value| {
+        let pbr = json!({ "metallicFactor": 0, "roughnessFactor": 0 });
+        let material = json!({ "pbrMetallicRoughness": pbr, "extensions": extensions });
+        let loaded = Document::new().with("/materials/0", material).loaded();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        loaded.description.materials[0].bsdf.clone()
+    };
+    let clear = json!({ "transmissionFactor": 1 });
+    let thin = glass(json!({ "KHR_materials_transmission": clear }));
+    assert!(matches!(thin, Bsdf::Thin(_)));
+    let solid =
+        json!({ "KHR_materials_transmission": clear, "KHR_materials_volume": {}, "KHR_materials_ior": { "ior": 1.7 } });
+    assert!(matches!(glass(solid), Bsdf::Dielectric(d) if d.ior == 1.7));
+    let mirror = Document::new().with("/materials/0/pbrMetallicRoughness", json!({ "roughnessFactor": 0 })).loaded();
+    assert!(matches!(mirror.description.materials[0].bsdf, Bsdf::Mirror(_)));
+}

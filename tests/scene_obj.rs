@@ -1,0 +1,191 @@
+//! OBJ files with their material libraries.
+
+mod scene_support;
+
+use glam::{DVec3, Vec3};
+use mlt_core::transport::bsdf::Bsdf;
+use mlt_scene::{BUILTIN, Loaded, SceneError, bounds, camera_framing, camera_look_at, open};
+use scene_support::{check_sentence, load_files};
+use std::{collections::HashMap, fmt::Write};
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+fn load(obj: &str) -> Result<Loaded, SceneError> {
+    load_files(&[("scene.obj", obj.as_bytes())])
+}
+
+fn load_with(obj: &str, mtl: &str) -> Result<Loaded, SceneError> {
+    let obj = format!("mtllib scene.mtl\nusemtl m\n{TRIANGLE}{obj}");
+    load_files(&[("scene.obj", obj.as_bytes()), ("scene.mtl", mtl.as_bytes())])
+}
+
+/// A built-in scene as OBJ and MTL, with indices that count from the start or from the end.
+fn as_obj(scene: &Loaded, relative: bool) -> (String, String) {
+    let (mut obj, mut mtl) = ("# made by a test\nmtllib scene.mtl\n".to_owned(), String::new());
+    for material in &scene.description.materials {
+        let kd = match &material.bsdf {
+            Bsdf::Lambert(lambert) => lambert.reflectance,
+            _ => Vec3::ZERO,
+        };
+        let ke = material.emission;
+        writeln!(mtl, "newmtl {}\nKd {} {} {}\nKe {} {} {}", material.name, kd.x, kd.y, kd.z, ke.x, ke.y, ke.z)
+            .unwrap();
+    }
+    let (mut vertices, mut normals) = (0i64, 0i64);
+    for mesh in &scene.description.meshes {
+        let material = &scene.description.materials[mesh.material as usize].name;
+        writeln!(obj, "o {}\nusemtl {material}", mesh.name).unwrap();
+        mesh.positions.iter().for_each(|p| writeln!(obj, "v {} {} {}", p.x, p.y, p.z).unwrap());
+        mesh.normals.iter().for_each(|n| writeln!(obj, "vn {} {} {}", n.x, n.y, n.z).unwrap());
+        let (v, n) = (mesh.positions.len() as i64, mesh.normals.len() as i64);
+        let (v_base, n_base) = if relative { (-v, -n) } else { (vertices + 1, normals + 1) };
+        for triangle in &mesh.triangles {
+            let corner = |i: u32| match n {
+                0 => format!("{}", v_base + i64::from(i)),
+                _ => format!("{}//{}", v_base + i64::from(i), n_base + i64::from(i)),
+            };
+            let [a, b, c] = triangle.map(corner);
+            writeln!(obj, "f {a} {b} {c}").unwrap();
+        }
+        (vertices, normals) = (vertices + v, normals + n);
+    }
+    (obj, mtl)
+}
+
+#[test]
+fn obj_and_gltf_of_the_built_in_scenes_agree() {
+    for (name, relative) in BUILTIN.iter().flat_map(|n| [(n, false), (n, true)]) {
+        let gltf = open(name).unwrap();
+        let (obj, mtl) = as_obj(&gltf, relative);
+        let obj = load_files(&[("scene.obj", obj.as_bytes()), ("scene.mtl", mtl.as_bytes())]).unwrap();
+        assert!(obj.warnings.is_empty() && obj.description.cameras.is_empty(), "{:?}", obj.warnings);
+        assert_eq!(format!("{:?}", obj.description.materials), {
+            let mut materials = gltf.description.materials.clone();
+            materials.iter_mut().for_each(|m| m.emits_both_sides = false);
+            format!("{materials:?}")
+        });
+        let meshes: HashMap<_, _> = obj.description.meshes.iter().map(|m| (&m.name, m)).collect();
+        for mesh in &gltf.description.meshes {
+            let other = meshes[&mesh.name];
+            assert_eq!(
+                (&mesh.positions, &mesh.triangles, mesh.material),
+                (&other.positions, &other.triangles, other.material)
+            );
+            assert_eq!(mesh.normals.len(), other.normals.len());
+            assert!(mesh.normals.iter().zip(&other.normals).all(|(a, b)| a.distance(*b) < 1e-6));
+        }
+    }
+}
+
+#[test]
+fn polygons_become_triangles_and_the_rest_is_named() {
+    let obj =
+        format!("{TRIANGLE}v 1 1 0\nv 5 5 5 1 0 0\nvt 0 0\no square\nf 1/1 2/99 4/-7 3 # comment\nl 1 2 4\np 1\n");
+    let loaded = load(&obj).unwrap();
+    let mesh = &loaded.description.meshes[0];
+    assert_eq!((mesh.triangles.len(), mesh.positions.len(), mesh.name.as_str()), (2, 4, "square"));
+    assert_eq!(
+        loaded.warnings,
+        ["points and lines are not supported and left out", "vertex colours are not supported and left out"]
+    );
+    assert!(matches!(&loaded.description.materials[0].bsdf, Bsdf::Lambert(_)));
+
+    let loaded = load(&format!("{TRIANGLE}vn 0 0 1\nf 1//1 2 3\n")).unwrap();
+    assert!(loaded.description.meshes[0].normals.is_empty() && loaded.warnings[0].contains("some have none"));
+    let loaded = load(&format!("{TRIANGLE}v 0 nan 0\nf 1 2 3\nf 1 2 4\n")).unwrap();
+    assert_eq!(loaded.description.meshes[0].triangles.len(), 1);
+    assert!(loaded.warnings[0].contains("1 vertices"), "{:?}", loaded.warnings);
+    assert_eq!(load("").unwrap().warnings, ["the scene has no triangles"]);
+}
+
+#[test]
+fn far_positions_keep_double_precision() {
+    let loaded = load("v 4000000.001 0 0\nv 4000001 0 0\nv 4000000 1 0\nf 1 2 3\n").unwrap();
+    assert_eq!(loaded.description.meshes[0].positions[0].x, 4_000_000.001);
+}
+
+#[test]
+fn a_missing_library_or_material_is_grey_with_a_warning() {
+    for (library, needle) in
+        [("gone.mtl", "gone.mtl: cannot be read"), ("../x.mtl", "outside"), ("C:\\x.mtl", "outside")]
+    {
+        let loaded = load(&format!("mtllib {library}\n{TRIANGLE}usemtl red\nf 1 2 3\n")).unwrap();
+        assert!(loaded.warnings.len() == 1 && loaded.warnings[0].contains(needle), "{:?}", loaded.warnings);
+        assert!(matches!(&loaded.description.materials[0].bsdf, Bsdf::Lambert(l) if l.reflectance == Vec3::splat(0.5)));
+    }
+    let loaded = load_with("usemtl n\nf 1 2 3", "newmtl m\nKd 1 1 1").unwrap();
+    assert_eq!(loaded.warnings, ["no material library defines `n`; grey stands in"]);
+}
+
+#[test]
+fn materials_warn_about_what_they_cannot_say() {
+    let loaded = load_with("f 1 2 3", "newmtl m\nKd 2 0 0\nmap_Kd -s 2 2 1 a.png\nmap_Ke b.png\nnorm c.png").unwrap();
+    assert_eq!(
+        loaded.warnings,
+        [
+            "material `m`: Kd is 2; 1 is taken instead",
+            "material `m`: map_Kd, map_Ke, norm are not supported and left out"
+        ]
+    );
+    let grey = load_with("f 1 2 3", "newmtl m\nKd 0.25").unwrap();
+    assert!(matches!(&grey.description.materials[0].bsdf, Bsdf::Lambert(l) if l.reflectance == Vec3::splat(0.25)));
+}
+
+#[test]
+fn what_does_not_parse_is_refused_with_the_line() {
+    for (tail, needle) in [
+        ("f 1 2 4", "out of bounds at line 4"),
+        ("f 1 2 0", "out of bounds"),
+        ("f 1 2 x", "face parse error at line 4"),
+        ("f 9223372036854775807 -9223372036854775808 1", "scene.obj"),
+        ("f", "invalid polygon"),
+        ("v 1 2", "position parse error at line 4"),
+        ("v a b c", "position"),
+        ("v 1 2 3 0", "scaling"),
+        ("vn 0 0 1\nf 1//2 2//1 3//1", "normal index"),
+        ("usemtl", "material"),
+    ] {
+        let error = load(&format!("{TRIANGLE}{tail}\n")).unwrap_err().to_string();
+        check_sentence(&error);
+        assert!(error.contains(needle), "{tail}: {error}");
+    }
+    for mtl in ["newmtl m\nKs 0 0", "newmtl m\nKd red", "newmtl m\nNs", "newmtl", "newmtl m\nillum x"] {
+        let error = load_with("f 1 2 3", mtl).unwrap_err().to_string();
+        check_sentence(&error);
+        assert!(error.contains("scene.mtl") && error.contains(" at line "), "{mtl}: {error}");
+    }
+}
+
+#[test]
+fn cameras_for_files_without_any() {
+    let [from, to] = [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, 4.0, -5.0)];
+    let camera = camera_look_at(from, to, 1.0);
+    assert_eq!((camera.forward, camera.up, camera.vertical_fov), (Vec3::NEG_Z, Vec3::Y, 1.0));
+    for to in [from, from + DVec3::Y, from - DVec3::Y, DVec3::NAN] {
+        let camera = camera_look_at(from, to, 1.0);
+        assert!((camera.forward.length() - 1.0).abs() < 1e-6 && (camera.up.length() - 1.0).abs() < 1e-6, "{camera:?}");
+        assert!(camera.forward.dot(camera.up).abs() < 1e-6);
+    }
+
+    let scene = load(&format!("{TRIANGLE}f 1 2 3\n")).unwrap().description;
+    let around = bounds(&scene).unwrap();
+    assert_eq!(around, [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)]);
+    let camera = camera_framing(around);
+    let half = f64::from(camera.vertical_fov / 2.0);
+    for point in scene.meshes.iter().flat_map(|m| &m.positions) {
+        let to_point = *point - camera.position;
+        assert!(to_point.angle_between(camera.forward.as_dvec3()) <= half);
+    }
+}
+
+#[test]
+fn materials_get_the_simplest_bsdf() {
+    let bsdf =
+        |mtl: &str| load_with("f 1 2 3", &format!("newmtl m\n{mtl}")).unwrap().description.materials[0].bsdf.clone();
+    assert!(matches!(bsdf("Kd 1 0 0\nKs 0 0 0\nNs 9"), Bsdf::Lambert(_)));
+    assert!(matches!(bsdf("Kd 0 0 0\nKe 1 1 1"), Bsdf::Black));
+    assert!(matches!(bsdf("Ks 1 1 1\nillum 3"), Bsdf::Mirror(_)));
+    assert!(matches!(bsdf("Ni 1.5\nillum 7"), Bsdf::Dielectric(_)));
+    assert!(matches!(bsdf("Kd 1 0 0\nKs 0.1 0.1 0.1\nNs 50"), Bsdf::Glossy(_)));
+    assert!(matches!(bsdf("Kd 1 0 0\nPm 1\nPr 0.3"), Bsdf::Conductor(_)));
+}
