@@ -247,6 +247,8 @@ fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
     );
     warn(strata > 0, format!("{strata} strata have a b that is uncertain by more than 5 %; take more mutations"));
     warn(non_finite > 0, format!("{non_finite} paths had an importance that is not finite; they are left out"));
+    let refused: u64 = counts.strata.iter().map(|s| s.refused_starts).sum();
+    warn(refused > 0, format!("{refused} chains could not start; what they would have added is missing"));
     warn(film.lost() > 0, format!("{} contributions were not finite; they are left out", film.lost()));
     warn(longest > STUCK, format!("a chain was stuck for {longest} mutations; the image may have bright spots"));
     warn(dark, "the image is black: no path from a light to the camera was found".into());

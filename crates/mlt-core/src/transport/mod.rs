@@ -4,6 +4,7 @@ pub mod accel;
 pub mod bdpt;
 pub mod bsdf;
 pub mod camera;
+mod connect;
 pub mod description;
 pub mod independent;
 pub mod light;
