@@ -100,10 +100,7 @@ fn strips_and_fans_keep_the_front() {
 fn transforms_move_points_and_normals_and_mirroring_keeps_the_front() {
     let nested = Document::new()
         .with("/scenes/0/nodes", json!([1, 2]))
-        .with(
-            "/nodes/-",
-            json!({ "children": [0], "translation": [10, 0, 0], "rotation": [0, 0.70710678, 0, 0.70710678] }),
-        )
+        .with("/nodes/-", json!({ "children": [0], "translation": [10, 0, 0], "rotation": [0, 0.5, 0, 0.5] }))
         .with("/nodes/0/scale", json!([2, 3, -4]));
     let mesh = only_mesh(&nested);
     // Mirrored in z and turned by 90° about y: the front, +z, becomes -z and then -x.
@@ -307,4 +304,41 @@ fn a_chain_of_many_nodes_needs_no_deep_stack() {
     nodes.extend((3..DEPTH).map(|next| json!({ "children": [next] })));
     nodes.push(json!({ "children": [0, 1] }));
     assert_eq!(document.loaded().description.meshes.len(), 1);
+}
+
+#[test]
+fn a_small_file_cannot_ask_for_much_memory() {
+    let sparse =
+        json!({ "count": 1, "indices": { "bufferView": 2, "componentType": 5123 }, "values": { "bufferView": 0 } });
+    for count in [2_000_000u64, 4_000_000_000, u64::MAX / 2] {
+        let accessor = json!({ "componentType": 5126, "count": count, "type": "VEC3", "sparse": sparse.clone() });
+        assert!(Document::new().with("/accessors/0", accessor).error().contains("exceed the limit"));
+        let accessor = json!({ "componentType": 5123, "count": count, "type": "SCALAR", "sparse": sparse.clone() });
+        assert!(Document::new().with("/accessors/2", accessor).error().contains("exceed the limit"));
+    }
+    let accessor = json!({ "componentType": 5125, "count": 1_000_000, "type": "SCALAR", "sparse": sparse });
+    let mut crowd = Document::new().with("/accessors/2", accessor);
+    let thing = crowd.json["nodes"][0].clone();
+    crowd.json["nodes"].as_array_mut().unwrap().extend(vec![thing; 500]);
+    let crowd = crowd.with("/scenes/0/nodes", (2..500).collect::<Vec<_>>().into());
+    assert!(crowd.error().contains("corners of the scene so far exceed the limit"));
+}
+
+#[test]
+fn glass_is_solid_with_a_volume_and_thin_without() {
+    let glass = |extensions: Value| {
+        let pbr = json!({ "metallicFactor": 0, "roughnessFactor": 0 });
+        let material = json!({ "pbrMetallicRoughness": pbr, "extensions": extensions });
+        let loaded = Document::new().with("/materials/0", material).loaded();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        loaded.description.materials[0].bsdf.clone()
+    };
+    let clear = json!({ "transmissionFactor": 1 });
+    let thin = glass(json!({ "KHR_materials_transmission": clear }));
+    assert!(matches!(thin, Bsdf::Thin(_)));
+    let solid =
+        json!({ "KHR_materials_transmission": clear, "KHR_materials_volume": {}, "KHR_materials_ior": { "ior": 1.7 } });
+    assert!(matches!(glass(solid), Bsdf::Dielectric(d) if d.ior == 1.7));
+    let mirror = Document::new().with("/materials/0/pbrMetallicRoughness", json!({ "roughnessFactor": 0 })).loaded();
+    assert!(matches!(mirror.description.materials[0].bsdf, Bsdf::Mirror(_)));
 }

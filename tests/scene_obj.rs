@@ -177,3 +177,15 @@ fn cameras_for_files_without_any() {
         assert!(to_point.angle_between(camera.forward.as_dvec3()) <= half);
     }
 }
+
+#[test]
+fn materials_get_the_simplest_bsdf() {
+    let bsdf =
+        |mtl: &str| load_with("f 1 2 3", &format!("newmtl m\n{mtl}")).unwrap().description.materials[0].bsdf.clone();
+    assert!(matches!(bsdf("Kd 1 0 0\nKs 0 0 0\nNs 9"), Bsdf::Lambert(_)));
+    assert!(matches!(bsdf("Kd 0 0 0\nKe 1 1 1"), Bsdf::Black));
+    assert!(matches!(bsdf("Ks 1 1 1\nillum 3"), Bsdf::Mirror(_)));
+    assert!(matches!(bsdf("Ni 1.5\nillum 7"), Bsdf::Dielectric(_)));
+    assert!(matches!(bsdf("Kd 1 0 0\nKs 0.1 0.1 0.1\nNs 50"), Bsdf::Glossy(_)));
+    assert!(matches!(bsdf("Kd 1 0 0\nPm 1\nPr 0.3"), Bsdf::Conductor(_)));
+}

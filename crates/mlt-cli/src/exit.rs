@@ -15,6 +15,8 @@ pub enum Failure {
     Run(anyhow::Error),
     /// Stopped by a signal; what was done so far is written and already reported: exit code 130.
     Interrupted,
+    /// Stopped by a signal with nothing to show: exit code 130.
+    InterruptedEarly(anyhow::Error),
 }
 
 impl From<anyhow::Error> for Failure {
@@ -29,6 +31,7 @@ impl Failure {
         let (error, code) = match self {
             Self::Usage(error) => (error, 2),
             Self::Run(error) => (error, 1),
+            Self::InterruptedEarly(error) => (error, 130),
             Self::Interrupted => return ExitCode::from(130),
         };
         terminal::complain("error", &format!("{error:#}"));

@@ -13,6 +13,7 @@ pub mod image;
 pub mod interrupt;
 pub mod output;
 pub mod progress;
+pub mod render;
 pub mod report;
 mod system;
 mod terminal;
@@ -35,6 +36,7 @@ pub fn main() -> ExitCode {
 
 fn run(cli: &args::Cli) -> Result<(), Failure> {
     match &cli.command {
+        args::Command::Render(options) => render::run(options),
         args::Command::Diff(options) => diff::run(options),
     }
 }

@@ -16,8 +16,8 @@ mod error;
 mod geometry;
 mod gltf_file;
 mod guard;
-mod metallic_roughness;
 mod obj_file;
+mod range;
 mod source;
 
 use mlt_core::transport::description::SceneDescription;

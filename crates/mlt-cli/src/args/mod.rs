@@ -19,6 +19,8 @@ pub struct Cli {
 /// The program's commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Render a scene
+    Render(Box<render::RenderOptions>),
     /// Measure how far images are from a reference
     Diff(DiffOptions),
 }

@@ -99,6 +99,11 @@ impl<const C: usize> Film<C> {
         self.round.par_iter_mut().for_each(|x| *x = [0.0; C]);
     }
 
+    /// Frees the memory of the current round; the film takes no more of them.
+    pub fn finish(&mut self) {
+        self.round = Vec::new();
+    }
+
     /// Adds the sums of another film of the same size and unit; `false` and no change if they differ.
     #[must_use]
     pub fn merge(&mut self, other: &Self) -> bool {

@@ -1,9 +1,12 @@
 //! Independent samples of the image, in rounds: path tracing and bidirectional path tracing as estimators.
 
 use super::bdpt::Bidirectional;
+use super::low_discrepancy::OwenSobol;
 use super::pt::PathTracer;
-use crate::engine::{Deposits, Estimator, Generator, Purpose, Sink, Splat, generator, uniform_f32};
+use super::scene::rays_traced;
+use crate::engine::{Deposits, Estimator, Purpose, Sink, Splat, generator, uniform_f32};
 use glam::{DVec3, Vec2};
+use rand_pcg::rand_core::Rng;
 
 /// Pixel samples of one task.
 const TASK_SAMPLES: u64 = 1 << 13;
@@ -15,7 +18,7 @@ pub trait ImageSampler: Sync {
 
     /// Takes one sample through `image`, in [0, 1)², and deposits its parts so that the mean over samples of uniform
     /// points is the image's radiance, pixel by pixel, over the number of pixels. `weight` scales them.
-    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut Generator);
+    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng);
 }
 
 impl ImageSampler for PathTracer<'_> {
@@ -23,7 +26,7 @@ impl ImageSampler for PathTracer<'_> {
         self.view.camera.size()
     }
 
-    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut Generator) {
+    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng) {
         let radiance = self.radiance(image, rng);
         if radiance != DVec3::ZERO {
             sink.deposit(Splat { site: self.view.camera.pixel(image), value: radiance.to_array() }, weight);
@@ -36,7 +39,7 @@ impl ImageSampler for Bidirectional<'_> {
         self.view.camera.size()
     }
 
-    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut Generator) {
+    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng) {
         self.sample_at(image, rng, &mut |path, density| {
             sink.deposit(Splat { site: path.pixel, value: path.contribution.to_array() }, weight * density);
         });
@@ -47,8 +50,9 @@ impl ImageSampler for Bidirectional<'_> {
 pub struct Independent<'a, T> {
     /// The method.
     pub sampler: &'a T,
-    /// Samples of each pixel in a round.
-    pub samples_per_pixel: u64,
+    /// Samples of each pixel in a round, on average over the rounds: round r takes ⌊(r + 1) n⌋ − ⌊r n⌋ of them, but one
+    /// at least.
+    pub samples_per_pixel: f64,
     /// Key of all random streams.
     pub seed: u64,
 }
@@ -63,9 +67,15 @@ pub struct SampleTally {
 }
 
 impl<T: ImageSampler> Independent<'_, T> {
+    fn samples(&self, round: u64) -> u64 {
+        // The small addend keeps whole multiples whole: ten thirds in three rounds are ten.
+        let up_to = |rounds: u64| (rounds as f64 * self.samples_per_pixel + 1e-6).floor() as u64;
+        (up_to(round + 1) - up_to(round)).max(1)
+    }
+
     /// Pixels of one task: at least one, as many as make a task worth its while.
     fn pixels_per_task(&self) -> u64 {
-        (TASK_SAMPLES / self.samples_per_pixel.max(1)).max(1)
+        (TASK_SAMPLES / (self.samples_per_pixel.ceil() as u64).max(1)).max(1)
     }
 
     fn pixels(&self) -> u64 {
@@ -73,11 +83,15 @@ impl<T: ImageSampler> Independent<'_, T> {
         u64::from(w) * u64::from(h)
     }
 
-    fn sample_pixel(&self, pixel: u64, deposits: &mut Deposits<3>, rng: &mut Generator) {
+    /// Takes a pixel's samples of a round: the first points of one Owen-scrambled Sobol sequence.
+    fn sample_pixel(&self, round: u64, pixel: u64, deposits: &mut Deposits<3>) {
+        let samples = self.samples(round);
+        let seed = generator(self.seed, Purpose::Image, round, 0, pixel).next_u64();
         let [w, h] = self.sampler.size();
         let corner = Vec2::new((pixel % u64::from(w)) as f32, (pixel / u64::from(w)) as f32);
-        let weight = 1.0 / self.samples_per_pixel as f64;
-        for _ in 0..self.samples_per_pixel {
+        let weight = 1.0 / samples as f64;
+        for index in 0..samples {
+            let rng = &mut OwenSobol::new(seed, index);
             let inside = Vec2::new(uniform_f32(rng), uniform_f32(rng));
             let image = (corner + inside) / Vec2::new(w as f32, h as f32);
             self.sampler.deposit(image.min(Vec2::splat(1.0 - f32::EPSILON)), weight, deposits, rng);
@@ -98,20 +112,19 @@ impl<T: ImageSampler> Estimator<3> for Independent<'_, T> {
     }
 
     fn task_deposits(&self) -> usize {
-        (self.pixels_per_task() * self.samples_per_pixel) as usize
+        (self.pixels_per_task() * (self.samples_per_pixel.ceil() as u64).max(1)) as usize
     }
 
     fn run(&self, round: &u64, task: usize, deposits: &mut Deposits<3>) -> SampleTally {
-        let before = super::scene::rays_traced();
-        let mut rng = generator(self.seed, Purpose::Image, *round, 0, task as u64);
+        let before = rays_traced();
         let first = task as u64 * self.pixels_per_task();
         let last = (first + self.pixels_per_task()).min(self.pixels());
-        (first..last).for_each(|pixel| self.sample_pixel(pixel, deposits, &mut rng));
-        SampleTally { samples: (last - first) * self.samples_per_pixel, rays: super::scene::rays_traced() - before }
+        (first..last).for_each(|pixel| self.sample_pixel(*round, pixel, deposits));
+        SampleTally { samples: (last - first) * self.samples(*round), rays: rays_traced() - before }
     }
 
-    fn weight(&self, _round: u64) -> u64 {
-        self.samples_per_pixel
+    fn weight(&self, round: u64) -> u64 {
+        self.samples(round)
     }
 
     fn tally(&self, total: &mut SampleTally, _round: u64, tasks: Vec<SampleTally>) {

@@ -37,8 +37,7 @@ pub struct Settings {
     pub max_edges: Option<usize>,
     /// Key of all random streams.
     pub seed: u64,
-    /// Mutations (Metropolis) or samples a pixel of one round. Independent methods take the nearest whole number, at
-    /// least 1.
+    /// Mutations (Metropolis) or samples of each pixel in a round; for independent methods on average over the rounds.
     pub per_pixel: f64,
 }
 
@@ -167,8 +166,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         counts: &mut Counts,
         observe: &mut Observer,
     ) -> Outcome {
-        let samples_per_pixel = (self.settings.per_pixel.round() as u64).max(1);
-        let estimator = Independent { sampler, samples_per_pixel, seed: self.settings.seed };
+        let Settings { per_pixel: samples_per_pixel, seed, .. } = self.settings;
+        let estimator = Independent { sampler, samples_per_pixel, seed };
         let mut tally = SampleTally { samples: counts.samples, rays: counts.rays };
         let outcome = run(&estimator, rounds, film, &mut tally, observe);
         (counts.samples, counts.rays) = (tally.samples, tally.rays);
@@ -195,7 +194,8 @@ pub fn luminance_and_error(film: &Film<3>, pixel: usize) -> (f64, f64) {
     (sum(|c| c.mean), sum(|c| c.stderr))
 }
 
-/// Estimated relative error of the image, √(Σ stderr² / Σ luminance²) over pixels; infinite before the second round.
+/// Estimated relative error of the image, √(Σ stderr² / Σ luminance²) over pixels; infinite before the second round and
+/// for a black image.
 pub fn relative_error(film: &Film<3>) -> f64 {
     let (mut errors, mut squares) = (0.0, 0.0);
     for (luminance, error) in (0..film.sites() as usize).map(|i| luminance_and_error(film, i)) {

@@ -9,12 +9,15 @@ use gltf::{
 };
 use std::{collections::HashMap, rc::Rc};
 
-/// Reads accessors, those of vectors only once each.
+/// The most elements of an accessor that has no bytes for them: zeros, but for the sparse ones.
+const MAX_IMPLICIT: usize = 1 << 20;
+
+/// Reads accessors, those of vectors only once each, within the limits of a scene.
 pub(super) struct Reader<'a> {
     pub source: &'a Source,
     buffers: &'a [Vec<u8>],
     vectors: HashMap<usize, Rc<[[f32; 3]]>>,
-    total: usize,
+    vertices: usize,
 }
 
 /// Elements of `size` bytes from `offset` on in a buffer view.
@@ -27,7 +30,7 @@ struct Layout {
 impl<'a> Reader<'a> {
     /// A reader of these buffers, which are in the document's order.
     pub fn new(source: &'a Source, buffers: &'a [Vec<u8>]) -> Self {
-        Self { source, buffers, vectors: HashMap::new(), total: 0 }
+        Self { source, buffers, vectors: HashMap::new(), vertices: 0 }
     }
 
     /// The elements of an accessor of three components; integers become numbers as glTF says.
@@ -38,8 +41,8 @@ impl<'a> Reader<'a> {
         if accessor.dimensions() != Dimensions::Vec3 {
             return Err(self.invalid(accessor, "elements of three components are expected"));
         }
-        self.total = self.total.saturating_add(accessor.count());
-        if self.total > MAX_ELEMENTS {
+        self.vertices = self.vertices.saturating_add(accessor.count());
+        if self.vertices > MAX_ELEMENTS {
             return Err(self.source.too_large(place(accessor), "vertices of the scene so far", MAX_ELEMENTS));
         }
         let (kind, normalized) = (accessor.data_type(), accessor.normalized());
@@ -57,9 +60,6 @@ impl<'a> Reader<'a> {
         if accessor.dimensions() != Dimensions::Scalar {
             return Err(self.invalid(accessor, "single numbers are expected"));
         }
-        if accessor.count() > 3 * MAX_ELEMENTS {
-            return Err(self.source.too_large(place(accessor), "indices", 3 * MAX_ELEMENTS));
-        }
         self.elements(accessor, 0, index)
     }
 
@@ -76,7 +76,8 @@ impl<'a> Reader<'a> {
                 let layout = Layout { offset: accessor.offset(), size, count };
                 self.strided(accessor, &view, layout)?.map(&decode).collect()
             }
-            None => vec![zero; count],
+            None if count <= MAX_IMPLICIT => vec![zero; count],
+            None => return Err(self.source.too_large(place(accessor), "elements without data", MAX_IMPLICIT)),
         };
         if let Some(sparse) = accessor.sparse() {
             let (indices, values, count) = (sparse.indices(), sparse.values(), sparse.count());

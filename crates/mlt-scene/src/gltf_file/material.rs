@@ -1,9 +1,9 @@
 //! glTF's materials.
 
 use super::unsupported;
-use crate::metallic_roughness::{MetallicRoughness, Range};
+use crate::range::Range;
 use gltf::Document;
-use mlt_core::transport::{Rgb, material::Material};
+use mlt_core::transport::{Rgb, bsdf::MetallicRoughness, material::Material};
 use std::collections::BTreeSet;
 
 /// Every material of the document, and glTF's default one behind them if it is used; only used ones give warnings.
@@ -31,6 +31,7 @@ fn material(index: usize, source: &gltf::Material, warnings: &mut Vec<String>) -
     Material { name, bsdf, emission, emits_both_sides: source.double_sided() }
 }
 
+/// A surface with KHR_materials_volume bounds a solid, whatever thickness its author gave for rasterisers.
 fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
     const SHARE: [f32; 2] = [0.0, 1.0];
     let pbr = source.pbr_metallic_roughness();
@@ -42,10 +43,59 @@ fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
         base_color: range.colour("the base colour", Rgb::new(r, g, b), 1.0),
         metallic: range.number("the metallic factor", pbr.metallic_factor(), SHARE),
         roughness: range.number("the roughness", pbr.roughness_factor(), SHARE),
-        ior: range.number("the index of refraction", source.ior().unwrap_or(1.5), [1.0, 100.0]),
+        ior: range.number("the index of refraction", source.ior().unwrap_or(1.5), [0.0, 100.0]),
         specular: range.number("the specular factor", specular.map_or(1.0, |s| s.specular_factor()), SHARE),
         specular_color: range.colour("the specular colour", Rgb::from_array(specular_color), 1e6),
         transmission: range.number("the transmission", transmission, SHARE),
         thin: source.volume().is_none(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(material: &str) -> MetallicRoughness {
+        let json = format!(r#"{{ "asset": {{ "version": "2.0" }}, "materials": [{material}] }}"#);
+        let gltf = gltf::Gltf::from_slice(json.as_bytes()).unwrap();
+        let mut warnings = Vec::new();
+        let mut range = Range { material: "m", warnings: &mut warnings };
+        let parameters = parameters(&gltf.materials().next().unwrap(), &mut range);
+        assert!(warnings.is_empty(), "{warnings:?}");
+        parameters
+    }
+
+    #[test]
+    fn an_empty_material_has_the_defaults() {
+        assert_eq!(parsed("{}"), MetallicRoughness::default());
+        assert_eq!(parsed(r#"{ "pbrMetallicRoughness": {} }"#), MetallicRoughness::default());
+    }
+
+    #[test]
+    fn every_parameter_arrives() {
+        let all = parsed(
+            r#"{ "pbrMetallicRoughness": { "baseColorFactor": [0.1, 0.2, 0.3, 1], "metallicFactor": 0.4, "roughnessFactor": 0.5 },
+                "extensions": { "KHR_materials_ior": { "ior": 1.6 },
+                                "KHR_materials_specular": { "specularFactor": 0.7, "specularColorFactor": [0.8, 0.9, 2] },
+                                "KHR_materials_transmission": { "transmissionFactor": 0.25 } } }"#,
+        );
+        let expected = MetallicRoughness {
+            base_color: Rgb::new(0.1, 0.2, 0.3),
+            metallic: 0.4,
+            roughness: 0.5,
+            ior: 1.6,
+            specular: 0.7,
+            specular_color: Rgb::new(0.8, 0.9, 2.0),
+            transmission: 0.25,
+            thin: true,
+        };
+        assert_eq!(all, expected);
+    }
+
+    #[test]
+    fn a_volume_makes_a_solid() {
+        for volume in ["{}", r#"{ "thicknessFactor": 1 }"#] {
+            assert!(!parsed(&format!(r#"{{ "extensions": {{ "KHR_materials_volume": {volume} }} }}"#)).thin);
+        }
     }
 }

@@ -13,7 +13,8 @@ mod unsupported;
 
 use crate::{Loaded, SceneError, geometry::MAX_ELEMENTS, source::Source};
 use accessor::Reader;
-use gltf::Document;
+use glam::DMat4;
+use gltf::{Document, Node, Semantic};
 use mlt_core::transport::{description::SceneDescription, mesh::Mesh};
 use std::collections::BTreeSet;
 
@@ -39,8 +40,9 @@ fn describe(
     let mut scene = SceneDescription::default();
     let mut reader = Reader::new(source, buffers);
     let mut used = BTreeSet::new();
-    let mut total = 0;
-    for (node, to_world) in graph::nodes(source, document)? {
+    let nodes = graph::nodes(source, document)?;
+    check_size(source, &nodes)?;
+    for (node, to_world) in nodes {
         if let Some(camera) = node.camera() {
             scene.cameras.extend(camera::pose(&camera, &node, &to_world, warnings));
         }
@@ -49,10 +51,6 @@ fn describe(
             let material = primitive.material().index().unwrap_or(document.materials().len());
             used.insert(material);
             let mesh = primitive::mesh(&mut reader, &node, &primitive, &to_world, warnings)?;
-            total += mesh.as_ref().map_or(0, |m| m.triangles.len());
-            if total > MAX_ELEMENTS {
-                return Err(source.too_large(graph::place(&node), "triangles of the scene so far", MAX_ELEMENTS));
-            }
             scene.meshes.extend(mesh.map(|m| Mesh { material: material as u32, ..m }));
         }
     }
@@ -61,4 +59,20 @@ fn describe(
         warnings.push("the scene has no triangles".to_owned());
     }
     Ok(scene)
+}
+
+/// Refuses a scene whose primitives, counted at each node that shows them, have too many corners.
+fn check_size(source: &Source, nodes: &[(Node, DMat4)]) -> Result<(), SceneError> {
+    const MAX_CORNERS: usize = 3 * MAX_ELEMENTS;
+    let mut corners = 0usize;
+    for (node, _) in nodes {
+        for primitive in node.mesh().iter().flat_map(|m| m.primitives()) {
+            let accessor = primitive.indices().or_else(|| primitive.get(&Semantic::Positions));
+            corners = corners.saturating_add(accessor.map_or(0, |a| a.count()));
+        }
+        if corners > MAX_CORNERS {
+            return Err(source.too_large(graph::place(node), "corners of the scene so far", MAX_CORNERS));
+        }
+    }
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! MTL's materials.
 
-use crate::metallic_roughness::{MetallicRoughness, Range};
-use mlt_core::transport::{Rgb, material::Material};
+use crate::range::Range;
+use mlt_core::transport::{Rgb, bsdf::MetallicRoughness, material::Material};
 
 /// Reflectance of the surface that stands in for a missing material.
 const GREY: Rgb = Rgb::splat(0.5);
@@ -11,7 +11,7 @@ const F0: f32 = 0.04;
 
 /// What stands in for a material that is not defined.
 pub(super) fn grey() -> Material {
-    let bsdf = MetallicRoughness::lambert(GREY).bsdf();
+    let bsdf = diffuse(GREY).bsdf();
     Material { name: "grey".to_owned(), bsdf, emission: Rgb::ZERO, emits_both_sides: false }
 }
 
@@ -30,41 +30,48 @@ pub(super) fn material(source: &tobj::Material, warnings: &mut Vec<String>) -> M
 
 /// The model that a material's parameters ask for, in this order: glass, the `Pr`/`Pm` extension, mirror, gloss, diffuse.
 fn parameters(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
-    let number = |key: &str| source.unknown_param.get(key)?.split_whitespace().next()?.parse::<f32>().ok();
-    let absent = if source.emissive.is_some() { Rgb::ZERO } else { GREY };
-    let diffuse = range.colour("Kd", rgb(source.diffuse).unwrap_or(absent), 1.0);
-    let specular = range.colour("Ks", rgb(source.specular).unwrap_or(Rgb::ZERO), 1.0);
-    let shininess = source.shininess.map(|n| n as f32);
-    let opacity = source.dissolve.map(|d| d as f32).or(number("Tr").map(|t| 1.0 - t)).unwrap_or(1.0);
+    let opacity = source.dissolve.map(|d| d as f32).or(number(source, "Tr").map(|t| 1.0 - t)).unwrap_or(1.0);
     let shown = source.illumination_model.unwrap_or(2);
-
     if matches!(shown, 4 | 6 | 7 | 9) || opacity < 1.0 {
-        let ior = source.optical_density.map_or(1.5, |n| n as f32);
+        return glass(source, range);
+    }
+    let absent = if source.emissive.is_some() { Rgb::ZERO } else { GREY };
+    let base_color = range.colour("Kd", rgb(source.diffuse).unwrap_or(absent), 1.0);
+    let (metallic, roughness) = (number(source, "Pm"), number(source, "Pr"));
+    if metallic.is_some() || roughness.is_some() {
         return MetallicRoughness {
-            base_color: range.colour("Tf", filter(source).unwrap_or(Rgb::ONE), 1.0),
-            metallic: 0.0,
-            roughness: range.number("Pr", number("Pr").unwrap_or(0.0), [0.0, 1.0]),
-            ior: range.number("Ni", ior, [1.0, 100.0]),
-            transmission: 1.0,
-            thin: false,
+            base_color,
+            metallic: range.number("Pm", metallic.unwrap_or(0.0), [0.0, 1.0]),
+            roughness: range.number("Pr", roughness.unwrap_or(1.0), [0.0, 1.0]),
             ..MetallicRoughness::default()
         };
     }
-    if number("Pr").is_some() || number("Pm").is_some() {
-        return MetallicRoughness {
-            base_color: diffuse,
-            metallic: range.number("Pm", number("Pm").unwrap_or(0.0), [0.0, 1.0]),
-            roughness: range.number("Pr", number("Pr").unwrap_or(1.0), [0.0, 1.0]),
-            ..MetallicRoughness::default()
-        };
-    }
-    match shininess {
-        _ if specular == Rgb::ZERO => MetallicRoughness::lambert(diffuse),
+    let specular = range.colour("Ks", rgb(source.specular).unwrap_or(Rgb::ZERO), 1.0);
+    match source.shininess {
+        _ if specular == Rgb::ZERO => diffuse(base_color),
         _ if matches!(shown, 3 | 5) => {
             MetallicRoughness { base_color: specular, roughness: 0.0, ..MetallicRoughness::default() }
         }
-        Some(exponent) if shown >= 2 => glossy(diffuse, specular, range.number("Ns", exponent, [0.0, 1e6])),
-        _ => MetallicRoughness::lambert(diffuse),
+        Some(exponent) if shown >= 2 => glossy(base_color, specular, range.number("Ns", exponent as f32, [0.0, 1e6])),
+        _ => diffuse(base_color),
+    }
+}
+
+/// A diffuse surface without any reflection above it.
+fn diffuse(base_color: Rgb) -> MetallicRoughness {
+    MetallicRoughness { base_color, metallic: 0.0, specular: 0.0, ..MetallicRoughness::default() }
+}
+
+/// A solid dielectric, tinted by the transmission filter.
+fn glass(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
+    MetallicRoughness {
+        base_color: range.colour("Tf", filter(source).unwrap_or(Rgb::ONE), 1.0),
+        metallic: 0.0,
+        roughness: range.number("Pr", number(source, "Pr").unwrap_or(0.0), [0.0, 1.0]),
+        ior: range.number("Ni", source.optical_density.map_or(1.5, |n| n as f32), [1.0, 100.0]),
+        transmission: 1.0,
+        thin: false,
+        ..MetallicRoughness::default()
     }
 }
 
@@ -72,10 +79,10 @@ fn parameters(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
 ///
 /// α = √(2 / (n + 2)) gives a microfacet distribution the width of Blinn's lobe with exponent n; roughness = √α.
 /// Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007.
-fn glossy(diffuse: Rgb, specular: Rgb, exponent: f32) -> MetallicRoughness {
+fn glossy(base_color: Rgb, specular: Rgb, exponent: f32) -> MetallicRoughness {
     let alpha = (2.0 / (exponent + 2.0)).sqrt();
     MetallicRoughness {
-        base_color: diffuse,
+        base_color,
         metallic: 0.0,
         roughness: alpha.sqrt(),
         specular_color: specular / F0,
@@ -87,6 +94,11 @@ fn glossy(diffuse: Rgb, specular: Rgb, exponent: f32) -> MetallicRoughness {
 fn filter(source: &tobj::Material) -> Option<Rgb> {
     let mut words = source.unknown_param.get("Tf")?.split_whitespace().map(|w| w.parse().ok());
     Some(Rgb::new(words.next()??, words.next()??, words.next()??))
+}
+
+/// The first number of a statement that the parser does not know.
+fn number(source: &tobj::Material, key: &str) -> Option<f32> {
+    source.unknown_param.get(key)?.split_whitespace().next()?.parse().ok()
 }
 
 fn rgb(colour: Option<[f64; 3]>) -> Option<Rgb> {
@@ -108,4 +120,59 @@ fn textures(source: &tobj::Material) -> Vec<String> {
         read.iter().filter(|t| t.0.is_some()).map(|t| t.1.to_owned()).chain(unread.cloned()).collect();
     names.sort();
     names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(mtl: &str) -> MetallicRoughness {
+        let text = format!("newmtl m\n{mtl}");
+        let (materials, _) = tobj::load_mtl_buf(&mut text.as_bytes()).unwrap();
+        let mut warnings = Vec::new();
+        let parameters = parameters(&materials[0], &mut Range { material: "m", warnings: &mut warnings });
+        assert!(warnings.is_empty(), "{warnings:?}");
+        parameters
+    }
+
+    #[test]
+    fn plain_colours_are_diffuse() {
+        let red = diffuse(Rgb::X);
+        for mtl in ["Kd 1 0 0", "Kd 1 0 0\nKs 0 0 0\nNs 100", "Kd 1 0 0\nKs 1 1 1", "Kd 1 0 0\nKs 1 1 1\nNs 9\nillum 1"]
+        {
+            assert_eq!(parsed(mtl), red, "{mtl}");
+        }
+        assert_eq!(parsed("Ke 1 1 1").base_color, Rgb::ZERO);
+        assert_eq!(parsed("illum 2").base_color, GREY);
+    }
+
+    #[test]
+    fn gloss_takes_its_width_from_the_exponent() {
+        let gloss = parsed("Kd 0.5 0 0\nKs 0.2 0.2 0.2\nNs 198");
+        assert!((gloss.roughness - 0.1f32.sqrt()).abs() < 1e-6);
+        let at_normal_incidence =
+            ((gloss.ior - 1.0) / (gloss.ior + 1.0)).powi(2) * gloss.specular * gloss.specular_color;
+        assert!(at_normal_incidence.distance(Rgb::splat(0.2)) < 1e-6);
+        assert_eq!((gloss.metallic, gloss.transmission), (0.0, 0.0));
+    }
+
+    #[test]
+    fn mirrors_and_glass_are_smooth() {
+        for illum in [3, 5] {
+            let mirror = parsed(&format!("Kd 1 0 0\nKs 0.9 0.8 0.7\nillum {illum}"));
+            assert_eq!((mirror.metallic, mirror.roughness, mirror.base_color), (1.0, 0.0, Rgb::new(0.9, 0.8, 0.7)));
+        }
+        for mtl in ["illum 4", "illum 6", "illum 7", "illum 9", "d 0.1", "Tr 0.9"] {
+            let glass = parsed(&format!("Ni 1.7\nTf 0.5 1 1\n{mtl}"));
+            assert_eq!((glass.transmission, glass.roughness, glass.ior, glass.thin), (1.0, 0.0, 1.7, false), "{mtl}");
+            assert_eq!(glass.base_color, Rgb::new(0.5, 1.0, 1.0));
+        }
+        assert_eq!(parsed("Kd 1 1 1\nd 1\nTr 1").transmission, 0.0, "d counts where both are given");
+    }
+
+    #[test]
+    fn the_extension_names_metalness_and_roughness() {
+        let metal = parsed("Kd 1 0 0\nPr 0.25\nPm 0.75");
+        assert_eq!((metal.base_color, metal.metallic, metal.roughness), (Rgb::X, 0.75, 0.25));
+    }
 }

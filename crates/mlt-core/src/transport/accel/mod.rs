@@ -56,7 +56,8 @@ impl Accel {
     /// Builds over `triangles`; empty input is a structure that nothing hits.
     ///
     /// Triangles with a NaN, an infinity or a coordinate beyond ±10¹⁸ are left out. Of triangles with the same three
-    /// vertices, in any order, only the first can be hit.
+    /// vertices, in any order, only the first can be hit. Takes n log n time, but n² where n boxes are nested one in the
+    /// other.
     pub fn with_quality(triangles: &[[Vec3; 3]], quality: Quality) -> Self {
         let indices = binary::usable(triangles);
         let nodes = binary::build(triangles, &indices, quality);
@@ -65,11 +66,11 @@ impl Accel {
 
     /// The nearest hit with 0 < t ≤ t_max.
     ///
+    /// The test rounds: from an origin on a triangle its t can come out as a tiny positive number instead of zero.
     /// None, too, for a ray with a zero or non-finite direction, or an origin that is not finite or beyond ±10¹⁸.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let candidate = traverse::closest(self.instructions, &self.tree, ray)?;
-        let triangle = self.tree.blocks[candidate.block as usize].triangle(candidate.lane as usize);
-        Some(watertight::refine(&triangle, ray, &candidate))
+        Some(watertight::refine(&self.tree.blocks[candidate.block as usize], ray, &candidate))
     }
 
     /// Whether anything lies in 0 < t ≤ t_max; the same answer as `closest(ray).is_some()`, sooner.

@@ -7,10 +7,10 @@
 //! zero counts as inside for both triangles, which replaces the paper's second test in double precision.
 
 use super::super::ray::{Hit, Ray};
-use super::simd::Simd;
+use super::simd::{Simd, splat3};
 use super::traverse::Candidate;
 use super::wide::TriangleBlock;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, Vec3};
 
 /// The map that takes the ray to the positive z axis: permute, move, shear.
 pub struct Shear<S: Simd> {
@@ -24,12 +24,9 @@ pub struct Shear<S: Simd> {
 /// The axes in cyclic order, the one along which the ray is fastest last.
 #[inline(always)]
 fn cyclic_axes(direction: Vec3) -> [usize; 3] {
-    let d = direction.abs();
-    match (d.x > d.y, d.x > d.z, d.y > d.z) {
-        (true, true, _) => [1, 2, 0],
-        (false, _, true) => [2, 0, 1],
-        _ => [0, 1, 2],
-    }
+    let speed = direction.abs();
+    let fastest = if speed.z >= speed.x.max(speed.y) { 2 } else { usize::from(speed.y > speed.x) };
+    [[1, 2, 0], [2, 0, 1], [0, 1, 2]][fastest]
 }
 
 impl<S: Simd> Shear<S> {
@@ -39,7 +36,7 @@ impl<S: Simd> Shear<S> {
         let axes @ [x, y, z] = cyclic_axes(direction);
         Self {
             axes,
-            origin: axes.map(|axis| simd.splat(origin[axis])),
+            origin: splat3(simd, [origin[x], origin[y], origin[z]]),
             x: simd.splat(direction[x] / direction[z]),
             y: simd.splat(direction[y] / direction[z]),
             z: simd.splat(1.0 / direction[z]),
@@ -82,34 +79,44 @@ impl<S: Simd> Shear<S> {
 ///
 /// The test's own t is off by 10⁻⁵ on slivers. The areas are computed again in f64; where they say that the ray passes
 /// outside, by less than the error of f32, the nearest point of the triangle's outline stands in. Then t is that of the
-/// point on the ray nearest to the point with these weights: t, u and v agree even where the ray grazes the triangle.
-pub fn refine(triangle: &[Vec3; 3], ray: &Ray, candidate: &Candidate) -> Hit {
-    let direction = ray.direction.as_dvec3();
+/// point with these weights: t, u and v agree even where the ray grazes the triangle.
+#[inline]
+pub fn refine(block: &TriangleBlock, ray: &Ray, candidate: &Candidate) -> Hit {
     let [x, y, z] = cyclic_axes(ray.direction);
-    let from_origin = triangle.map(|v| v.as_dvec3() - ray.origin.as_dvec3());
-    let weights = weights_at_origin(from_origin.map(|p| {
-        let along = p[z] / direction[z];
-        DVec2::new(p[x] - direction[x] * along, p[y] - direction[y] * along)
-    }));
-    let point = (0..3).map(|i| weights[i] * from_origin[i]).sum::<DVec3>();
-    let t = (point.dot(direction) / direction.length_squared()) as f32;
-    let u = weights[1] as f32;
+    let reciprocal = 1.0 / f64::from(ray.direction[z]);
+    let shear = DVec2::new(ray.direction[x].into(), ray.direction[y].into()) * reciprocal;
+    let (mut corners, mut depths) = ([DVec2::ZERO; 3], [0.0; 3]);
+    for (vertex, (corner, depth)) in block.vertices.iter().zip(corners.iter_mut().zip(&mut depths)) {
+        let moved = |axis: usize| f64::from(vertex[axis].0[candidate.lane as usize]) - f64::from(ray.origin[axis]);
+        *depth = moved(z);
+        *corner = DVec2::new(moved(x), moved(y)) - shear * *depth;
+    }
+    let [w, u, v] = weights_at_origin(corners);
+    let t = ((w * depths[0] + u * depths[1] + v * depths[2]) * reciprocal) as f32;
+    let u = u as f32;
     Hit {
         primitive: candidate.primitive,
         t: if t > 0.0 { t.min(ray.t_max) } else { candidate.t },
         u,
-        v: (weights[2] as f32).min(1.0 - u),
+        v: (v as f32).min(1.0 - u),
     }
 }
 
 /// Barycentric weights of the origin, or of the outline's nearest point if the origin lies outside or on an edge.
+#[inline(always)]
 fn weights_at_origin(corners: [DVec2; 3]) -> [f64; 3] {
     let [a, b, c] = corners;
-    let areas = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
-    if areas.iter().all(|&area| area > 0.0) || areas.iter().all(|&area| area < 0.0) {
-        let sum: f64 = areas.iter().sum();
-        return areas.map(|area| area / sum);
+    let (u, v, w) = (b.perp_dot(c), c.perp_dot(a), a.perp_dot(b));
+    if u.min(v).min(w) > 0.0 || u.max(v).max(w) < 0.0 {
+        let scale = 1.0 / (u + v + w);
+        return [u * scale, v * scale, w * scale];
     }
+    nearest_on_outline(corners)
+}
+
+/// Barycentric weights of the outline's point nearest to the origin.
+#[cold]
+fn nearest_on_outline(corners: [DVec2; 3]) -> [f64; 3] {
     let mut nearest = (f64::INFINITY, [1.0, 0.0, 0.0]);
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let edge = corners[j] - corners[i];

@@ -103,11 +103,6 @@ impl TriangleBlock {
         }
         block
     }
-
-    /// One lane's triangle.
-    pub fn triangle(&self, lane: usize) -> [Vec3; 3] {
-        self.vertices.each_ref().map(|v| Vec3::new(v[0].0[lane], v[1].0[lane], v[2].0[lane]))
-    }
 }
 
 /// An 8-wide tree; `nodes[0]` is the root and always there.

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 /// f_s = (1 - max F) ρ/π + F D G₂/(4 cosθₗ cosθₑ),  F = F₀ + (F₉₀ - F₀)(1 - h·l)⁵, on either side.
 ///
-/// Source: [glTF20] B.3, KHR_materials_specular. As there, base and coat together may reflect more than they get at
+/// Source: glTF 2.0, appendix B.3, KHR_materials_specular. As there, base and coat together may reflect more than they get at
 /// grazing angles; averaged over the hemisphere they do not, for ρ up to 0.95.
 #[derive(Clone, Debug)]
 pub struct Glossy {

@@ -8,7 +8,8 @@
 //! * G₂(a, b) = 1/(1 + Λ(a) + Λ(b)), directions on one side, heights correlated
 //! * D_v(h) = G₁(v) (v·h) D(h)/cosθᵥ, the density of normals visible from v, sr⁻¹
 //!
-//! Sources: [Walter07], [Heitz14]. Left out: light that meets the surface more than once.
+//! Sources: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007; Heitz, "Understanding the
+//! Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 2014. Left out: light that meets the surface more than once.
 
 use super::super::math::frame;
 use super::fresnel::reflect;
@@ -21,7 +22,7 @@ pub const GRAZING: f32 = 1e-6;
 /// Distribution of microfacet normals.
 #[derive(Clone, Copy, Debug)]
 pub struct Ggx {
-    /// α ∈ [10⁻⁶, 1], root mean square slope's scale; glTF's roughness².
+    /// α ∈ [10⁻⁶, 1], slope that half of the microfacets' area stays below; glTF's roughness².
     pub alpha: f32,
 }
 

@@ -12,7 +12,8 @@ use glam::Vec3;
 ///
 /// The medium is on the back of n, vacuum on its front; η² of the eye's side scales radiance.
 ///
-/// Source: [Walter07], eqs. 20 and 21. Left out: heights correlated across the surface.
+/// Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007, eqs. 20 and 21. Left out:
+/// heights correlated across the surface.
 #[derive(Clone, Debug)]
 pub struct RoughDielectric {
     /// Index of refraction of the medium over that of its surroundings, > 0; |ior - 1| > 10⁻³.

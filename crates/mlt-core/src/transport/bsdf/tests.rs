@@ -184,52 +184,62 @@ mod rough {
     const ROWS: usize = 20;
     const COLUMNS: usize = 40;
 
-    /// ∫ g dω over each cell, by Gauss–Legendre quadrature on squares halved until they agree.
+    /// A rectangle of (polar angle, azimuth).
+    #[derive(Clone, Copy)]
+    struct Patch {
+        corner: [f64; 2],
+        size: [f64; 2],
+    }
+
+    impl Patch {
+        fn quarters(self) -> [Self; 4] {
+            let size = self.size.map(|s| 0.5 * s);
+            [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]
+                .map(|q| Self { corner: [self.corner[0] + q[0] * size[0], self.corner[1] + q[1] * size[1]], size })
+        }
+
+        /// ∫ g dω by 3 × 3 Gauss–Legendre nodes.
+        fn gauss<const N: usize>(self, n: Vec3, g: &impl Fn(Vec3) -> [f64; N]) -> [f64; N] {
+            let offset = 0.5 * 0.6f64.sqrt();
+            let nodes = [(0.5 - offset, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + offset, 5.0 / 18.0)];
+            let mut sum = [0.0; N];
+            for (x, wx) in nodes {
+                let theta = self.corner[0] + x * self.size[0];
+                for (y, wy) in nodes {
+                    let values = g(spherical(n, theta.cos(), self.corner[1] + y * self.size[1]));
+                    let weight = wx * wy * self.size[0] * self.size[1] * theta.sin();
+                    (0..N).for_each(|k| sum[k] += weight * values[k]);
+                }
+            }
+            sum
+        }
+
+        /// ∫ g dω, halving until `whole` and the sum of the quarters agree.
+        fn refine<const N: usize>(
+            self,
+            n: Vec3,
+            whole: [f64; N],
+            depth: u32,
+            g: &impl Fn(Vec3) -> [f64; N],
+        ) -> [f64; N] {
+            let quarters = self.quarters().map(|q| (q, q.gauss(n, g)));
+            let sum: [f64; N] = std::array::from_fn(|k| quarters.iter().map(|q| q.1[k]).sum());
+            let agree = (0..N).all(|k| (sum[k] - whole[k]).abs() <= 1e-6 + 1e-4 * sum[k].abs());
+            if depth >= 6 || (depth >= 1 && agree) {
+                return sum;
+            }
+            let parts = quarters.map(|(q, value)| q.refine(n, value, depth + 1, g));
+            std::array::from_fn(|k| parts.iter().map(|p| p[k]).sum())
+        }
+    }
+
+    /// ∫ g dω over each cell.
     fn cell_integrals<const N: usize>(n: Vec3, g: &impl Fn(Vec3) -> [f64; N]) -> Vec<[f64; N]> {
         let size = [PI / ROWS as f64, TAU / COLUMNS as f64];
         (0..ROWS * COLUMNS)
-            .map(|i| {
-                let corner = [(i / COLUMNS) as f64 * size[0], (i % COLUMNS) as f64 * size[1]];
-                refine(n, corner, size, gauss(n, corner, size, g), 0, g)
-            })
+            .map(|i| Patch { corner: [(i / COLUMNS) as f64 * size[0], (i % COLUMNS) as f64 * size[1]], size })
+            .map(|patch| patch.refine(n, patch.gauss(n, g), 0, g))
             .collect()
-    }
-
-    fn refine<const N: usize>(
-        n: Vec3,
-        corner: [f64; 2],
-        size: [f64; 2],
-        whole: [f64; N],
-        depth: u32,
-        g: &impl Fn(Vec3) -> [f64; N],
-    ) -> [f64; N] {
-        let half = size.map(|s| 0.5 * s);
-        let quarters = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]].map(|q| {
-            let c = [corner[0] + q[0] * half[0], corner[1] + q[1] * half[1]];
-            (c, gauss(n, c, half, g))
-        });
-        let sum: [f64; N] = std::array::from_fn(|k| quarters.iter().map(|q| q.1[k]).sum());
-        let agree = (0..N).all(|k| (sum[k] - whole[k]).abs() <= 1e-7 + 1e-5 * sum[k].abs());
-        if depth >= 7 || (depth >= 2 && agree) {
-            return sum;
-        }
-        let parts = quarters.map(|(c, q)| refine(n, c, half, q, depth + 1, g));
-        std::array::from_fn(|k| parts.iter().map(|p| p[k]).sum())
-    }
-
-    fn gauss<const N: usize>(n: Vec3, corner: [f64; 2], size: [f64; 2], g: &impl Fn(Vec3) -> [f64; N]) -> [f64; N] {
-        let offset = 0.5 * 0.6f64.sqrt();
-        let nodes = [(0.5 - offset, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + offset, 5.0 / 18.0)];
-        let mut sum = [0.0; N];
-        for (x, wx) in nodes {
-            let theta = corner[0] + x * size[0];
-            for (y, wy) in nodes {
-                let values = g(spherical(n, theta.cos(), corner[1] + y * size[1]));
-                let weight = wx * wy * size[0] * size[1] * theta.sin();
-                (0..N).for_each(|k| sum[k] += weight * values[k]);
-            }
-        }
-        sum
     }
 
     /// ∫ g dω over the sphere.
@@ -318,7 +328,7 @@ mod rough {
         }
     }
 
-    /// What leaves towards the eye under radiance η² from everywhere, and what a beam from `to_eye`'s place loses.
+    /// What leaves along `eye` under radiance η² from everywhere is what a beam that comes along `eye` scatters.
     #[test]
     fn energy_is_kept_and_sampling_agrees_with_quadrature() {
         let n = normal();
@@ -371,6 +381,25 @@ mod rough {
         }
     }
 
+    /// f |cosθ|/p stays bounded where rounding of directions is as large as the lobe.
+    #[test]
+    fn weights_are_bounded_at_small_alpha() {
+        let n = normal();
+        let mut rng = Pcg64Mcg::seed_from_u64(99);
+        for alpha in [1e-6, 1e-5, 1e-4, 1e-2] {
+            for (b, ior) in all(alpha) {
+                let eta2 = |v: Vec3| if n.dot(v) > 0.0 { 1.0 } else { ior * ior };
+                let bound = if matches!(b, Bsdf::Glossy(_) | Bsdf::Mix(_)) { 2.0 } else { 1.0 + 1e-4 };
+                for _ in 0..20_000 {
+                    let e = direction(n, 2.0 * uniform(&mut rng) - 1.0);
+                    let Some(d) = b.sample(n, e, uniform3(&mut rng)) else { continue };
+                    let p = b.pdf(n, e, d) * eta2(e) / eta2(d);
+                    assert!(b.eval(n, d, e).max_element() * n.dot(d).abs() <= bound * p, "{b:?} {e} {d}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn rough_tends_to_smooth() {
         let n = normal();
@@ -407,7 +436,7 @@ mod rough {
 #[test]
 fn finite_whatever_the_input() {
     let mut rng = Pcg64Mcg::seed_from_u64(17);
-    let factor = |rng: &mut Pcg64Mcg| *[0.0, 1e-3, 0.03, 0.5, 1.0].get(rng.next_u32() as usize % 5).unwrap_or(&1.0);
+    let factor = |rng: &mut Pcg64Mcg| [0.0, 1e-3, 0.03, 0.5, 1.0][rng.next_u32() as usize % 5];
     let bsdfs: Vec<Bsdf> = (0..1000)
         .map(|_| {
             let m = MetallicRoughness {
@@ -447,7 +476,8 @@ fn finite_whatever_the_input() {
         }
         if let Some(d) = sampled.filter(|d| b.pdf(n, given, *d) > 0.0) {
             let weight = b.eval(n, d, given) * (n.dot(d).abs() / b.pdf(n, given, d));
-            assert!(weight.max_element() < 25.0, "{b:?} {n} {given} {d}: {weight}");
+            // η² = 5.76 and a coat's 1.96 over the share of what was sampled.
+            assert!(weight.max_element() < 6.0, "{b:?} {n} {given} {d}: {weight}");
         }
     }
 }

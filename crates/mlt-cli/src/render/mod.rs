@@ -1,0 +1,54 @@
+//! `mlt render`.
+
+mod files;
+mod plan;
+mod session;
+mod setup;
+
+use std::{io::Write, time::Duration};
+
+use anyhow::Context;
+
+use crate::{Failure, args::render::RenderOptions, print, report::Report, warn};
+
+pub(crate) use plan::Plan;
+pub(crate) use setup::Setup;
+
+/// Renders, writes the files, and reports.
+pub fn run(options: &RenderOptions) -> Result<(), Failure> {
+    options.check()?;
+    let setup = Setup::new(options)?;
+    let plan = Plan::new(options);
+    if !options.quiet && options.budget().is_none() {
+        announce(&plan);
+    }
+    let threads = options.threads.map_or(0, std::num::NonZeroUsize::get);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("cannot start the threads")?;
+    let finished = pool.install(|| session::run(options, &setup, plan))?;
+    let interrupted = finished.report.interrupted;
+    let report = files::write(options, &setup, finished)?;
+    show(options, &report)?;
+    if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+fn announce(plan: &Plan) {
+    // Nobody is left to tell when standard error is gone.
+    let _ = writeln!(std::io::stderr(), "no budget given; {plan}");
+}
+
+fn show(options: &RenderOptions, report: &Report) -> Result<(), Failure> {
+    for warning in &report.warnings {
+        warn(warning);
+    }
+    if report.interrupted {
+        let seconds = Duration::from_secs_f64(report.seconds).as_secs();
+        warn(&format!("interrupted after {seconds} s; the files hold the {} finished rounds", report.rounds));
+    }
+    if options.json {
+        let json = serde_json::to_string_pretty(report).context("cannot encode the report")?;
+        print(&(json + "\n"))?;
+    } else if !options.quiet {
+        print(&report.to_string())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! From a budget to rounds.
+
+use std::{fmt, time::Duration};
+
+use crate::args::render::{Budget, Method, RenderOptions};
+
+/// Rounds of a render whose budget says nothing else.
+const ROUNDS: u64 = 16;
+/// Rounds that a time budget aims at.
+const TIMED_ROUNDS: f64 = 24.0;
+/// Fewest rounds whose spread is trusted to end a render.
+pub(crate) const TRUSTED_ROUNDS: u64 = 8;
+/// Parts of a mutation or sample a pixel that a round's size is a multiple of, so that decimal text holds it exactly.
+const PARTS: f64 = 64.0;
+
+/// How large a round is, and when a render ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Mutations or samples a pixel of one round; `None`: measured first, to suit the time.
+    pub per_pixel: Option<f64>,
+    /// Number of rounds; `None`: until the end comes.
+    pub rounds: Option<u64>,
+    /// Time on the clock for everything after loading.
+    pub time: Option<Duration>,
+    /// Relative error to reach.
+    pub error: Option<f64>,
+    method: Method,
+}
+
+impl Plan {
+    /// The plan for what was asked for, or a sensible one.
+    pub fn new(options: &RenderOptions) -> Self {
+        let (method, rounds) = (options.method, options.rounds);
+        let open = Self { per_pixel: None, rounds, time: None, error: None, method };
+        match options.budget() {
+            Some(Budget::MutationsPerPixel(n) | Budget::SamplesPerPixel(n)) => open.sized(n),
+            Some(Budget::Time(time)) => Self { time: Some(time), ..open },
+            Some(Budget::Error(error)) => Self { per_pixel: Some(usual(method) / 8.0), error: Some(error), ..open },
+            None => open.sized(usual(method)),
+        }
+    }
+
+    /// `total` mutations or samples a pixel, over all rounds.
+    fn sized(self, total: f64) -> Self {
+        let most = if self.method == Method::Mlt { u64::MAX } else { (total as u64).max(1) };
+        let rounds = self.rounds.unwrap_or(ROUNDS.min(most));
+        Self { per_pixel: Some(total / rounds as f64), rounds: Some(rounds), ..self }
+    }
+
+    /// The size of a round that suits the time, at `rate` mutations or samples a pixel and second.
+    pub fn per_pixel_at(&self, rate: f64, time: Duration) -> f64 {
+        let rounds = self.rounds.map_or(TIMED_ROUNDS, |rounds| rounds as f64);
+        let ideal = rate * time.as_secs_f64() / rounds;
+        match self.method {
+            Method::Mlt => ((ideal * PARTS).floor() / PARTS).max(1.0 / PARTS),
+            Method::Bdpt | Method::Pt => ideal.floor().max(1.0),
+        }
+    }
+
+    /// The options that make a render of `rounds` rounds of this size again.
+    pub fn budget_option(method: Method, per_pixel: f64, rounds: u64) -> String {
+        let total = per_pixel * rounds as f64;
+        match method {
+            Method::Mlt => format!("--mutations-per-pixel {total}"),
+            Method::Bdpt | Method::Pt => format!("--samples-per-pixel {total}"),
+        }
+    }
+}
+
+/// Mutations or samples a pixel of a render that nothing is said about.
+fn usual(method: Method) -> f64 {
+    match method {
+        Method::Mlt => 128.0,
+        Method::Bdpt => 32.0,
+        Method::Pt => 64.0,
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = if self.method == Method::Mlt { "mutations" } else { "samples" };
+        match (self.per_pixel, self.rounds) {
+            (Some(n), Some(rounds)) => write!(f, "taking {} {unit} per pixel in {rounds} rounds", n * rounds as f64),
+            _ => f.write_str("going on until the end is reached"),
+        }
+    }
+}
