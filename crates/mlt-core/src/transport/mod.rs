@@ -26,6 +26,10 @@ pub mod strata;
 pub mod stratum;
 mod subpath;
 mod surface;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
 pub mod vertex;
 
 /// Linear Rec. 709 colour: radiance in W·sr⁻¹·m⁻², or a dimensionless reflectance.

@@ -58,10 +58,12 @@ impl LensPerturbation<'_> {
         } else {
             proposal.connect(&self.view, m, changed)?;
         }
-        let density = |path: &LightPath| -> f64 {
-            (m..last).map(|i| path.vertices[i].reverse / self.event_probability(path, i + 1)).product()
-        };
-        Some(density(current) / density(proposal))
+        Some(self.density(current, m) / self.density(proposal, m))
+    }
+
+    /// Π_{m ≤ i < k} r_i.
+    fn density(&self, path: &LightPath, m: usize) -> f64 {
+        (m..path.edges()).map(|i| path.vertices[i].reverse / self.event_probability(path, i + 1)).product()
     }
 
     /// Follows, at the delta vertex x_i of `proposal`, the event that x_i of `current` has.
@@ -103,4 +105,64 @@ fn first_diffuse(path: &LightPath) -> usize {
         m -= 1;
     }
     m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::strata::Stratification;
+    use super::super::super::testing::{World, glass, glossy, lambert, mirror, pond, room, two_lights};
+    use super::super::super::tests::balance::imbalance;
+    use super::*;
+    use crate::transport::Rgb;
+
+    /// Moves of paths of the form that the perturbation applies to.
+    fn suited<'a>(world: &'a World, x: &LightPath) -> Option<LensPerturbation<'a>> {
+        let lens = LensPerturbation { view: world.view() };
+        (lens.suitability(x) > 0.0).then_some(lens)
+    }
+
+    #[test]
+    fn flows_are_balanced() {
+        for (name, world) in [
+            ("diffuse", room(lambert(Rgb::splat(0.5)), true)),
+            ("mirror", room(mirror(), true)),
+            ("coated", room(glossy(), true)),
+            ("glass", room(glass(0.0), false)),
+            ("water", pond()),
+            ("two lights", two_lights(glass(0.0), mirror())),
+        ] {
+            let found = imbalance(&world, Stratification::Grid(2, 1), 15_000, |x, y, _, rng| {
+                suited(&world, x)?.propose(x, y, rng)
+            });
+            println!("{name}: z = {:.2}", found.z);
+            found.assert_balanced(name);
+        }
+    }
+
+    #[test]
+    fn errors_in_the_ratio_are_seen() {
+        let world = pond();
+        let with_ratio = |ratio: &(dyn Fn(&LensPerturbation, &LightPath, &LightPath) -> f64 + Sync)| {
+            imbalance(&world, Stratification::None, 60_000, |x, y, _, rng| {
+                let lens = suited(&world, x)?;
+                lens.propose(x, y, rng)?;
+                Some(ratio(&lens, x, y))
+            })
+        };
+        let right = |lens: &LensPerturbation, x: &LightPath, y: &LightPath| {
+            lens.density(x, first_diffuse(x)) / lens.density(y, first_diffuse(y))
+        };
+        with_ratio(&right).assert_balanced("none");
+        let found = with_ratio(&|_, _, _| 1.0);
+        println!("z = {:.2}", found.z);
+        found.assert_detected("without the densities");
+        let found = with_ratio(&|lens, x, y| {
+            let event = |path| -> f64 {
+                (first_diffuse(path) + 1..path.edges()).map(|i| lens.event_probability(path, i)).product()
+            };
+            right(lens, x, y) * event(x) / event(y)
+        });
+        println!("z = {:.2}", found.z);
+        found.assert_detected("without the probabilities of events");
+    }
 }
