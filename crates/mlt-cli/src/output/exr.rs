@@ -13,8 +13,8 @@ use ::exr::{
         header::{ImageAttributes, LayerAttributes},
     },
     prelude::{
-        Encoding, Image as ExrImage, Layer, ReadChannels, ReadLayers, ReadSpecificChannel, SpecificChannels, Vec2,
-        WritableImage, read as exr_read,
+        Blocks, Compression, Encoding, Image as ExrImage, Layer, LineOrder, ReadChannels, ReadLayers,
+        ReadSpecificChannel, SpecificChannels, Vec2, WritableImage, read as exr_read,
     },
 };
 use anyhow::{Context, bail};
@@ -24,6 +24,10 @@ use crate::image::Image;
 
 /// The first bytes of every OpenEXR file.
 pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// Lossless, rows from the top: what every reader of OpenEXR understands.
+const ENCODING: Encoding =
+    Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
 
 /// What an OpenEXR file of ours holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +70,7 @@ fn with_header<C>(image: &Image, attributes: &[(String, String)], channel_data: 
     let header = LayerAttributes { other: attributes.iter().map(attribute).collect(), ..LayerAttributes::default() };
     ExrImage {
         attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
-        layer_data: Layer { channel_data, attributes: header, size, encoding: Encoding::SMALL_FAST_LOSSLESS },
+        layer_data: Layer { channel_data, attributes: header, size, encoding: ENCODING },
     }
 }
 

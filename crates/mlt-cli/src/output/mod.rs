@@ -3,6 +3,7 @@
 use std::{
     fs::{self, File, OpenOptions},
     io::{ErrorKind, Read},
+    panic::{self, AssertUnwindSafe},
     path::{Path, PathBuf},
     str::FromStr,
 };
@@ -72,11 +73,21 @@ pub fn check_target(path: &Path) -> anyhow::Result<()> {
 /// Reads an OpenEXR or PNG file, whichever its first bytes say, as linear Rec. 709.
 pub fn read_image(path: &Path) -> anyhow::Result<(Image, Format)> {
     let format = format_of(path).with_context(|| path.display().to_string())?;
-    let image = match format {
-        Format::Exr => exr::read(path)?.image,
-        Format::Png => png::read(path)?,
+    let read = || match format {
+        Format::Exr => Ok(exr::read(path)?.image),
+        Format::Png => png::read(path),
     };
+    let image = without_panic(read).with_context(|| format!("{}: damaged", path.display()))??;
     Ok((image, format))
+}
+
+/// Runs a decoder; `None` when it panicked, which exr 1.74 does on some damaged B44 data. Says nothing on the terminal.
+fn without_panic<T>(decode: impl FnOnce() -> T) -> Option<T> {
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let result = panic::catch_unwind(AssertUnwindSafe(decode));
+    panic::set_hook(hook);
+    result.ok()
 }
 
 fn format_of(path: &Path) -> anyhow::Result<Format> {
@@ -111,6 +122,12 @@ mod tests {
         for bad in ["a", "a.jpg", "exr", ".png", "", "a.exr.gz"] {
             assert!(format(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn a_decoder_that_panics_is_survived() {
+        assert_eq!(without_panic(|| 1), Some(1));
+        assert_eq!(without_panic(|| [1, 2][std::hint::black_box(2)]), None);
     }
 
     #[test]

@@ -105,7 +105,7 @@ mod tests {
     fn starts_are_drawn_in_proportion_to_weight() {
         let bootstrap = Bootstrap::new(vec![0.0, 1.0, f64::NAN, 2.5, 0.5, f64::INFINITY]);
         assert_eq!(bootstrap.non_finite, 2);
-        let mut counts = [0.0; 6];
+        let mut counts = [0f64; 6];
         for round in 0..2000 {
             let mut rng = generator(1, Purpose::Start, round, 0, 0);
             let chosen = bootstrap.choose(3, &mut rng);

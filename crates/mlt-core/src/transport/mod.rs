@@ -8,6 +8,7 @@ pub mod description;
 pub mod independent;
 pub mod light;
 pub mod lights;
+pub mod low_discrepancy;
 pub mod material;
 pub mod math;
 pub mod mesh;
