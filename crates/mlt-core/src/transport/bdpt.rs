@@ -97,16 +97,35 @@ impl Bidirectional<'_> {
         SCRATCH.with_borrow_mut(|scratch| {
             self.trace_eye(image, &mut scratch.eye, rng);
             self.trace_light(scratch, rng);
-            let (lights, eyes) = (scratch.light.survival.len(), scratch.eye.survival.len());
-            for t in 1..=eyes {
-                for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
-                    let light_survival = if s == 0 { 1.0 } else { scratch.light.survival[s - 1] };
-                    if let Some(weight) = self.connect(scratch, s, t) {
-                        visit(&scratch.path, weight / (light_survival * scratch.eye.survival[t - 1]));
-                    }
+            self.connect_all(scratch, visit);
+        });
+    }
+
+    /// As [`sample`](Self::sample), with random numbers for each subpath from a generator of its own.
+    pub(super) fn sample_apart(
+        &self,
+        light: &mut impl Rng,
+        eye: &mut impl Rng,
+        visit: &mut impl FnMut(&LightPath, f64),
+    ) {
+        SCRATCH.with_borrow_mut(|scratch| {
+            let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
+            self.trace_eye(image, &mut scratch.eye, eye);
+            self.trace_light(scratch, light);
+            self.connect_all(scratch, visit);
+        });
+    }
+
+    fn connect_all(&self, scratch: &mut Scratch, visit: &mut impl FnMut(&LightPath, f64)) {
+        let (lights, eyes) = (scratch.light.survival.len(), scratch.eye.survival.len());
+        for t in 1..=eyes {
+            for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
+                let light_survival = if s == 0 { 1.0 } else { scratch.light.survival[s - 1] };
+                if let Some(weight) = self.connect(scratch, s, t) {
+                    visit(&scratch.path, weight / (light_survival * scratch.eye.survival[t - 1]));
                 }
             }
-        });
+        }
     }
 
     /// Traces the light subpath; its survival has one entry a vertex.
