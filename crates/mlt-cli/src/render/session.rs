@@ -90,7 +90,7 @@ fn measured(options: &RenderOptions, view: View, plan: &Plan) -> f64 {
         let before = Instant::now();
         trial.render(0..1, &mut trial.film(), &mut Counts::default(), &mut |_, _| ControlFlow::Continue(()));
         let seconds = before.elapsed().as_secs_f64().max(1e-6);
-        let done = if options.method == render::Method::Mlt { size } else { size.max(1.0) };
+        let done = if options.method.mutates() { size } else { size.max(1.0) };
         if seconds > 0.01 * time.as_secs_f64() || start.elapsed() > time.mul_f64(0.05) {
             return plan.per_pixel_at(done / seconds, time.saturating_sub(start.elapsed()));
         }
@@ -104,6 +104,8 @@ fn settings(options: &RenderOptions, per_pixel: f64) -> Settings {
             render::Method::Mlt => Method::Metropolis,
             render::Method::Bdpt => Method::Bidirectional,
             render::Method::Pt => Method::Path,
+            render::Method::Pssmlt => Method::PrimaryBidirectional,
+            render::Method::Mmlt => Method::Multiplexed,
         },
         stratification: match options.strata {
             Strata::None => Stratification::None,

@@ -110,17 +110,34 @@ impl Bidirectional<'_> {
     /// for s = 0 over those that start anywhere.
     pub fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         let image = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-        self.with_subpaths(image, rng, |scratch, _| {
-            let (lights, eyes) = (scratch.light.len(), scratch.eye.len());
-            for t in 1..=eyes {
-                for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
-                    let light_survival = if s == 0 { 1.0 } else { scratch.light.carried(s).survival };
-                    if let Some(weight) = self.connect(scratch, s, t) {
-                        visit(&scratch.path, weight / (light_survival * scratch.eye.carried(t).survival));
-                    }
+        self.with_subpaths(image, rng, |scratch, _| self.connect_all(scratch, visit));
+    }
+
+    /// As [`sample`](Self::sample), with random numbers for each subpath from a generator of its own.
+    pub(super) fn sample_apart(
+        &self,
+        light: &mut impl Rng,
+        eye: &mut impl Rng,
+        visit: &mut impl FnMut(&LightPath, f64),
+    ) {
+        SCRATCH.with_borrow_mut(|scratch| {
+            let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
+            self.trace_eye(image, &mut scratch.eye, eye);
+            self.trace_light(scratch, light);
+            self.connect_all(scratch, visit);
+        });
+    }
+
+    fn connect_all(&self, scratch: &mut Scratch, visit: &mut impl FnMut(&LightPath, f64)) {
+        let (lights, eyes) = (scratch.light.len(), scratch.eye.len());
+        for t in 1..=eyes {
+            for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
+                let light_survival = if s == 0 { 1.0 } else { scratch.light.carried(s).survival };
+                if let Some(weight) = self.connect(scratch, s, t) {
+                    visit(&scratch.path, weight / (light_survival * scratch.eye.carried(t).survival));
                 }
             }
-        });
+        }
     }
 
     /// Traces two subpaths, the camera's through a given point of the image, and hands them over.

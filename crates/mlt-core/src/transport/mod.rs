@@ -16,6 +16,7 @@ pub mod mesh;
 mod mis;
 pub mod mutate;
 pub mod path;
+pub mod primary;
 pub mod pt;
 pub mod ray;
 pub mod region;
