@@ -45,14 +45,14 @@ pub struct Finished {
 }
 
 /// Renders on the current rayon pool.
-pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan) -> Result<Finished, Failure> {
-    let interrupt = Interrupt::install()?;
+pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Interrupt) -> Result<Finished, Failure> {
     let (start, cpu) = (Instant::now(), cpu_seconds());
     let view = View { scene: &setup.scene, camera: &setup.camera };
     let per_pixel = plan.per_pixel.unwrap_or_else(|| measured(options, view, &plan));
     let renderer = Renderer::new(view, settings(options, per_pixel));
     let (mut film, mut counts) = (renderer.film(), Counts::default());
-    let mut ending = Ending { plan, interrupt, start, round: Instant::now(), longest: Duration::ZERO };
+    let mut ending =
+        Ending { plan, interrupt: interrupt.clone(), start, round: Instant::now(), longest: Duration::ZERO };
     let progress = Progress::new(ending.steps(), options.quiet);
     let pixels = f64::from(setup.camera.pixels());
     let first = options.first_round;
