@@ -1,9 +1,12 @@
 //! Independent samples of the image, in rounds: path tracing and bidirectional path tracing as estimators.
 
 use super::bdpt::Bidirectional;
+use super::low_discrepancy::OwenSobol;
 use super::pt::PathTracer;
-use crate::engine::{Deposits, Estimator, Generator, Purpose, Sink, Splat, generator, uniform_f32};
+use super::scene::rays_traced;
+use crate::engine::{Deposits, Estimator, Purpose, Sink, Splat, generator, uniform_f32};
 use glam::{DVec3, Vec2};
+use rand_pcg::rand_core::Rng;
 
 /// Pixel samples of one task.
 const TASK_SAMPLES: u64 = 1 << 13;
@@ -15,7 +18,7 @@ pub trait ImageSampler: Sync {
 
     /// Takes one sample through `image`, in [0, 1)², and deposits its parts so that the mean over samples of uniform
     /// points is the image's radiance, pixel by pixel, over the number of pixels. `weight` scales them.
-    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut Generator);
+    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng);
 }
 
 impl ImageSampler for PathTracer<'_> {
@@ -23,7 +26,7 @@ impl ImageSampler for PathTracer<'_> {
         self.view.camera.size()
     }
 
-    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut Generator) {
+    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng) {
         let radiance = self.radiance(image, rng);
         if radiance != DVec3::ZERO {
             sink.deposit(Splat { site: self.view.camera.pixel(image), value: radiance.to_array() }, weight);
@@ -36,9 +39,10 @@ impl ImageSampler for Bidirectional<'_> {
         self.view.camera.size()
     }
 
-    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut Generator) {
-        self.sample_at(image, rng, &mut |path, density| {
-            sink.deposit(Splat { site: path.pixel, value: path.contribution.to_array() }, weight * density);
+    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng) {
+        let cutoff = std::env::var("CUT").map_or(0.0, |x| x.parse::<f64>().unwrap());
+        self.sample_image(image, cutoff, rng, &mut |site, value| {
+            sink.deposit(Splat { site, value: value.to_array() }, weight);
         });
     }
 }
@@ -80,11 +84,15 @@ impl<T: ImageSampler> Independent<'_, T> {
         u64::from(w) * u64::from(h)
     }
 
-    fn sample_pixel(&self, pixel: u64, samples: u64, deposits: &mut Deposits<3>, rng: &mut Generator) {
+    /// Takes a pixel's samples of a round: the first points of one Owen-scrambled Sobol sequence.
+    fn sample_pixel(&self, round: u64, pixel: u64, deposits: &mut Deposits<3>) {
+        let samples = self.samples(round);
+        let seed = generator(self.seed, Purpose::Image, round, 0, pixel).next_u64();
         let [w, h] = self.sampler.size();
         let corner = Vec2::new((pixel % u64::from(w)) as f32, (pixel / u64::from(w)) as f32);
         let weight = 1.0 / samples as f64;
-        for _ in 0..samples {
+        for index in 0..samples {
+            let rng = &mut OwenSobol::new(seed, index);
             let inside = Vec2::new(uniform_f32(rng), uniform_f32(rng));
             let image = (corner + inside) / Vec2::new(w as f32, h as f32);
             self.sampler.deposit(image.min(Vec2::splat(1.0 - f32::EPSILON)), weight, deposits, rng);
@@ -109,13 +117,11 @@ impl<T: ImageSampler> Estimator<3> for Independent<'_, T> {
     }
 
     fn run(&self, round: &u64, task: usize, deposits: &mut Deposits<3>) -> SampleTally {
-        let before = super::scene::rays_traced();
-        let mut rng = generator(self.seed, Purpose::Image, *round, 0, task as u64);
+        let before = rays_traced();
         let first = task as u64 * self.pixels_per_task();
         let last = (first + self.pixels_per_task()).min(self.pixels());
-        let samples = self.samples(*round);
-        (first..last).for_each(|pixel| self.sample_pixel(pixel, samples, deposits, &mut rng));
-        SampleTally { samples: (last - first) * samples, rays: super::scene::rays_traced() - before }
+        (first..last).for_each(|pixel| self.sample_pixel(*round, pixel, deposits));
+        SampleTally { samples: (last - first) * self.samples(*round), rays: rays_traced() - before }
     }
 
     fn weight(&self, round: u64) -> u64 {

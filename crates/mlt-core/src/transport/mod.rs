@@ -4,16 +4,19 @@ pub mod accel;
 pub mod bdpt;
 pub mod bsdf;
 pub mod camera;
+mod connect;
 pub mod description;
 pub mod independent;
 pub mod light;
 pub mod lights;
+pub mod low_discrepancy;
 pub mod material;
 pub mod math;
 pub mod mesh;
 mod mis;
 pub mod mutate;
 pub mod path;
+pub mod primary;
 pub mod pt;
 pub mod ray;
 pub mod region;
@@ -24,6 +27,10 @@ pub mod strata;
 pub mod stratum;
 mod subpath;
 mod surface;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
 pub mod vertex;
 
 /// Linear Rec. 709 colour: radiance in W·sr⁻¹·m⁻², or a dimensionless reflectance.

@@ -4,15 +4,17 @@ use super::bdpt::{Bidirectional, MOST_EDGES};
 use super::independent::{ImageSampler, Independent, SampleTally};
 use super::mutate::PathMutation;
 use super::path::{LightPath, Luminance, View};
+use super::primary::{AllConnections, Multiplexed, Part};
 use super::pt::PathTracer;
 use super::region::LightRegion;
 use super::scene::rays_traced;
 use super::strata::{LightStrata, Stratification};
 use super::stratum::LightStratum;
 use crate::engine::{
-    self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Progress, Share, Stratum, StratumStats,
-    Tally,
+    self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Path, Progress, Share, Splat, Stratum,
+    StratumStats, Tally,
 };
+use crate::primary::{PrimaryImportance, PrimaryMutation};
 use std::ops::{ControlFlow, Range};
 
 /// How the image is estimated.
@@ -24,6 +26,10 @@ pub enum Method {
     Bidirectional,
     /// Path tracing with next-event estimation.
     Path,
+    /// Stratified Metropolis over the random numbers of bidirectional samples.
+    PrimaryBidirectional,
+    /// Stratified Metropolis over the random numbers of single paths, with their length and technique.
+    Multiplexed,
 }
 
 /// What decides the bits of a render, besides the scene and the camera.
@@ -75,6 +81,8 @@ pub struct Renderer<'a, I = Luminance> {
 
 /// Independent samples for b̂_j and the chains' starts: one for so many mutations.
 const MUTATIONS_A_SAMPLE: u64 = 32;
+/// Probability of a large step in primary sample space.
+const LARGE_STEPS: f64 = 0.3;
 /// Fewest of them in a stratum and round.
 const LEAST_SAMPLES: u64 = 64;
 
@@ -107,14 +115,22 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         observe: &mut Observer,
     ) -> Outcome {
         let (view, max_edges) = (self.view, self.max_edges());
+        let run = Run { rounds, film, counts, observe };
         match self.settings.method {
-            Method::Metropolis => self.metropolis(rounds, film, counts, observe),
-            Method::Bidirectional => {
-                self.independent(&Bidirectional { view, region: &self.whole, max_edges }, rounds, film, counts, observe)
+            Method::Metropolis => {
+                let strata = LightStratum::all(&self.strata, view, max_edges);
+                self.metropolis(&strata, PathMutation::all(view), &self.importance, run)
             }
-            Method::Path => {
-                self.independent(&PathTracer { view, region: &self.whole, max_edges }, rounds, film, counts, observe)
+            Method::PrimaryBidirectional => {
+                let strata = self.part().all(|part| AllConnections { part });
+                self.metropolis(&strata, PrimaryMutation::both(LARGE_STEPS), &PrimaryImportance, run)
             }
+            Method::Multiplexed => {
+                let strata = self.part().all(|part| Multiplexed { part });
+                self.metropolis(&strata, PrimaryMutation::both(LARGE_STEPS), &PrimaryImportance, run)
+            }
+            Method::Bidirectional => self.independent(&Bidirectional { view, region: &self.whole, max_edges }, run),
+            Method::Path => self.independent(&PathTracer { view, region: &self.whole, max_edges }, run),
         }
     }
 
@@ -122,60 +138,67 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         self.settings.max_edges.unwrap_or(MOST_EDGES).clamp(1, MOST_EDGES)
     }
 
-    fn metropolis(
-        &self,
-        rounds: Range<u64>,
-        film: &mut Film<3>,
-        counts: &mut Counts,
-        observe: &mut Observer,
-    ) -> Outcome {
-        let strata = LightStratum::all(&self.strata, self.view, self.max_edges());
-        let shares = self.shares(&strata);
-        let mixture = Mixture::new(PathMutation::all(self.view));
-        let estimator = Metropolis {
-            strata: &strata,
-            shares: &shares,
-            mixture: &mixture,
+    /// What tracers in primary sample space share.
+    fn part(&self) -> Part<'_, I> {
+        Part {
+            view: self.view,
+            strata: &self.strata,
+            index: 0,
+            max_edges: self.max_edges(),
             importance: &self.importance,
-            seed: self.settings.seed,
-            work: rays_traced,
-        };
+        }
+    }
+
+    fn metropolis<P, S, M, J>(&self, strata: &[S], mutations: Vec<M>, importance: &J, run: Run) -> Outcome
+    where
+        P: Path<Splat = Splat<3>> + Send,
+        S: Stratum<P> + Sync,
+        M: Mutation<P, S> + Sync,
+        J: Importance<P> + Sync,
+    {
+        let shares = self.shares(strata.iter().map(Stratum::power).collect());
+        let mixture = Mixture::new(mutations);
+        let (seed, work) = (self.settings.seed, rays_traced);
+        let estimator = Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work };
+        let counts = run.counts;
         let mut tally = Tally { strata: std::mem::take(&mut counts.strata), work: counts.rays };
-        let outcome = run(&estimator, rounds, film, &mut tally, observe);
-        counts.mutations = mixture.mutations().iter().map(Mutation::<LightPath, LightStratum>::name).collect();
+        let outcome = repeat(&estimator, run.rounds, run.film, &mut tally, run.observe);
+        counts.mutations = mixture.mutations().iter().map(Mutation::<P, S>::name).collect();
         (counts.strata, counts.rays) = (tally.strata, tally.work);
         outcome
     }
 
     /// n_j in proportion to power.
-    fn shares(&self, strata: &[LightStratum]) -> Vec<Share> {
+    fn shares(&self, powers: Vec<f64>) -> Vec<Share> {
         let round = self.settings.per_pixel * f64::from(self.view.camera.pixels());
-        let power: f64 = strata.iter().map(Stratum::power).sum();
-        let share = |stratum: &LightStratum| {
-            let mutations = ((round * stratum.power() / power).round() as u64).max(1);
+        let total: f64 = powers.iter().sum();
+        let share = |power: f64| {
+            let mutations = ((round * power / total).round() as u64).max(1);
             Share { mutations, samples: (mutations / MUTATIONS_A_SAMPLE).max(LEAST_SAMPLES) }
         };
-        strata.iter().map(share).collect()
+        powers.into_iter().map(share).collect()
     }
 
-    fn independent<T: ImageSampler>(
-        &self,
-        sampler: &T,
-        rounds: Range<u64>,
-        film: &mut Film<3>,
-        counts: &mut Counts,
-        observe: &mut Observer,
-    ) -> Outcome {
+    fn independent<T: ImageSampler>(&self, sampler: &T, run: Run) -> Outcome {
         let Settings { per_pixel: samples_per_pixel, seed, .. } = self.settings;
         let estimator = Independent { sampler, samples_per_pixel, seed };
+        let counts = run.counts;
         let mut tally = SampleTally { samples: counts.samples, rays: counts.rays };
-        let outcome = run(&estimator, rounds, film, &mut tally, observe);
+        let outcome = repeat(&estimator, run.rounds, run.film, &mut tally, run.observe);
         (counts.samples, counts.rays) = (tally.samples, tally.rays);
         outcome
     }
 }
 
-fn run<E: Estimator<3>>(
+/// What one call adds, and where to.
+struct Run<'r, 'o> {
+    rounds: Range<u64>,
+    film: &'r mut Film<3>,
+    counts: &'r mut Counts,
+    observe: &'r mut Observer<'o>,
+}
+
+fn repeat<E: Estimator<3>>(
     estimator: &E,
     rounds: Range<u64>,
     film: &mut Film<3>,
