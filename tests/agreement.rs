@@ -34,8 +34,8 @@ fn reference(name: &str) -> Known {
         .layer_data
         .attributes
         .other
-        .get("peer_self_relMSE")
-        .or_else(|| image.attributes.other.get("peer_self_relMSE"))
+        .get(&Text::from("peer_self_relMSE"))
+        .or_else(|| image.attributes.other.get(&Text::from("peer_self_relMSE")))
     else {
         panic!("{path} does not say its error");
     };
