@@ -52,6 +52,10 @@ pub struct StratumStats {
     pub non_finite_samples: u64,
     /// Rounds in which no sample had a positive weight: they ran no chain here.
     pub dark_rounds: u64,
+    /// Work of the chains, in the unit of [`Metropolis::work`](super::Metropolis::work).
+    pub chain_work: u64,
+    /// Work of the independent samples, in the same unit.
+    pub sample_work: u64,
 }
 
 impl StratumStats {
@@ -67,12 +71,16 @@ impl StratumStats {
 
     /// Standard error of [`b`](Self::b); infinite with fewer than two samples.
     pub fn b_stderr(&self) -> f64 {
+        if self.samples < 2 { f64::INFINITY } else { (self.weight_variance() / self.samples as f64).sqrt() }
+    }
+
+    /// Variance of one sample's importance weight; infinite with fewer than two samples.
+    pub fn weight_variance(&self) -> f64 {
         if self.samples < 2 {
             return f64::INFINITY;
         }
         let n = self.samples as f64;
-        let variance = (self.weight_squares / n - self.b() * self.b()).max(0.0) * n / (n - 1.0);
-        (variance / n).sqrt()
+        (self.weight_squares / n - self.b() * self.b()).max(0.0) * n / (n - 1.0)
     }
 
     /// Steps of the chains.
@@ -91,5 +99,7 @@ impl StratumStats {
         self.weight_squares += other.weight_squares;
         self.non_finite_samples += other.non_finite_samples;
         self.dark_rounds += other.dark_rounds;
+        self.chain_work += other.chain_work;
+        self.sample_work += other.sample_work;
     }
 }

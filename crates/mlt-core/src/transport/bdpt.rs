@@ -94,6 +94,11 @@ impl Bidirectional<'_> {
     /// As [`sample`](Self::sample), with the camera subpath through a given point of the image. Weights are those of a
     /// uniform point, so a mean over stratified points stays right.
     pub fn sample_at(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
+        self.sample_techniques(image, rng, &mut |path, weight, _| visit(path, weight));
+    }
+
+    /// As [`sample_at`](Self::sample_at), and shows t, the number of the path's vertices that the camera subpath made.
+    pub fn sample_techniques(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64, usize)) {
         SCRATCH.with_borrow_mut(|scratch| {
             self.trace_eye(image, &mut scratch.eye, rng);
             self.trace_light(scratch, rng);
@@ -102,7 +107,7 @@ impl Bidirectional<'_> {
                 for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
                     let light_survival = if s == 0 { 1.0 } else { scratch.light.survival[s - 1] };
                     if let Some(weight) = self.connect(scratch, s, t) {
-                        visit(&scratch.path, weight / (light_survival * scratch.eye.survival[t - 1]));
+                        visit(&scratch.path, weight / (light_survival * scratch.eye.survival[t - 1]), t);
                     }
                 }
             }

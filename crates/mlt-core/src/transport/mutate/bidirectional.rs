@@ -60,8 +60,12 @@ impl BidirectionalMutation<'_> {
         let edit = Edit::draw(current.vertices.len(), within.max_edges(), rng)?;
         let split = edit.draw_split(rng);
         edit.copy_kept(current, proposal);
-        self.trace(proposal, &edit, split, within.region(), rng)?;
-        let power = within.region().power();
+        let region = within.region_at(&current.light);
+        self.trace(proposal, &edit, split, region, rng)?;
+        // A light end that was drawn afresh lies in the region; one in another region was hit by chance alone, and that is
+        // the only way back, too: all densities that start on the region are zero.
+        let same = within.same_region(&current.light, &proposal.light);
+        let power = if same { region.power() } else { f64::INFINITY };
         let there =
             edit.probability(current.vertices.len(), within.max_edges()) * edit.density(&proposal.vertices, power);
         let undo = edit.undo();
