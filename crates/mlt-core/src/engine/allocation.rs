@@ -11,7 +11,7 @@ pub const LEAST_SAMPLES: u64 = 64;
 const DARK_SAMPLES: u64 = 32;
 /// Longest chain of such a stratum: it is run only in a round whose samples find light.
 const MOST_DARK: u64 = 1 << 13;
-/// By power: mutations for each independent sample.
+/// Mutations for each independent sample, unless their noise asks for more.
 const MUTATIONS_A_SAMPLE: u64 = 32;
 /// Most independent samples of a round, as a share of its mutations.
 const MOST_SAMPLES: f64 = 0.125;
@@ -23,9 +23,13 @@ pub fn shares_by_power<P>(strata: &[impl Stratum<P>], mutations: f64) -> Vec<Sha
     let power: f64 = strata.iter().map(Stratum::power).sum();
     let share = |power: f64| {
         let mutations = ((mutations * power).round() as u64).max(1);
-        Share { mutations, samples: (mutations / MUTATIONS_A_SAMPLE).max(LEAST_SAMPLES) }
+        Share { mutations, samples: usual_samples(mutations) }
     };
     strata.iter().map(|stratum| share(stratum.power() / power)).collect()
+}
+
+fn usual_samples(mutations: u64) -> u64 {
+    (mutations / MUTATIONS_A_SAMPLE).max(LEAST_SAMPLES)
 }
 
 /// Shares that minimise Σ_j (chain_error_j / n_j + sample_error_j / m_j) where Σ n_j = `mutations`:
@@ -33,6 +37,7 @@ pub fn shares_by_power<P>(strata: &[impl Stratum<P>], mutations: f64) -> Vec<Sha
 /// n_j = λ √(chain_error_j / mutation_cost_j),  m_j = λ √(sample_error_j / sample_cost_j)
 ///
 /// A quarter of n_j goes in proportion to b_j plus its standard error, since a noisy stratum may have looked quiet. No
+/// m_j is never below what is usual for n_j: an error of b_j is small in squares, but it is the same everywhere. No
 /// stratum is left out: a dark one, b_j = 0, keeps a few samples a round, and its chain, of a length that `by_power` sets,
 /// runs only if they find light; it is not part of Σ n_j.
 pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64) -> Vec<Share> {
@@ -57,7 +62,7 @@ pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64) -> Vec
         }
         let part = BY_B * by_b[j] / b_sum + (1.0 - BY_B) * by_noise[j] / noise_sum;
         let n = ((mutations * part).round() as u64).max(LEAST_CHAIN.min(mutations as u64)).max(1);
-        Share { mutations: n, samples: ((samples(m) / excess).round() as u64).max(LEAST_SAMPLES) }
+        Share { mutations: n, samples: ((samples(m) / excess).round() as u64).max(usual_samples(n)) }
     };
     measures.iter().enumerate().map(share).collect()
 }
@@ -100,6 +105,6 @@ mod tests {
     fn samples_follow_the_noise_of_b_and_have_a_limit() {
         let with = |sample_error| Measure { sample_error, ..measure(1.0, 1.0, 1.0) };
         let samples = |error| allocate(&[with(error); 2], &[BY_POWER; 2], 1e6)[0].samples;
-        assert_eq!([0.0, 0.0001, 1e9].map(samples), [LEAST_SAMPLES, 5000, 62_500]);
+        assert_eq!([0.0, 0.0001, 1e9].map(samples), [15_625, 15_625, 62_500]);
     }
 }

@@ -123,3 +123,148 @@ fn measure(mutations: u64, stats: &StratumStats, moments: &[Moments], rounds: u6
         sample_cost: each(stats.sample_work, stats.samples),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Film, Mixture, Share, allocate, render, shares_by_power, uniform};
+    use rand_pcg::rand_core::Rng;
+    use std::ops::ControlFlow;
+
+    /// x in [0, 1), in one of four strata; it lights one of 16 sites with I(x), which is 0 in the second stratum.
+    #[derive(Clone)]
+    struct Point(f64);
+
+    const BRIGHT: [f64; 4] = [0.01, 0.0, 1.0, 0.3];
+
+    fn importance(x: &Point) -> f64 {
+        BRIGHT[(4.0 * x.0) as usize] * (1.0 + (10.0 * x.0).sin().powi(2))
+    }
+
+    impl Path for Point {
+        type Splat = Splat<1>;
+
+        fn splats(&self) -> impl Iterator<Item = Splat<1>> {
+            std::iter::once(Splat { site: (16.0 * self.0) as u32, value: [importance(self)] })
+        }
+    }
+
+    /// A quarter of [0, 1). `exaggerated`: a factor of its samples' weights that has no business there.
+    struct Quarter {
+        index: u32,
+        power: f64,
+        exaggerated: f64,
+    }
+
+    impl Stratum<Point> for Quarter {
+        fn contains(&self, x: &Point) -> bool {
+            (4.0 * x.0) as u32 == self.index
+        }
+
+        fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&Point, f64)) {
+            visit(&Point(0.25 * (f64::from(self.index) + uniform(rng))), 0.25 * self.exaggerated);
+        }
+
+        fn power(&self) -> f64 {
+            self.power
+        }
+    }
+
+    struct Step;
+
+    impl Mutation<Point, Quarter> for Step {
+        fn name(&self) -> &'static str {
+            "step"
+        }
+
+        fn propose(&self, current: &Point, proposal: &mut Point, _: &Quarter, rng: &mut impl Rng) -> Option<f64> {
+            proposal.0 = (current.0 + 0.1 * (uniform(rng) - 0.5)).rem_euclid(1.0);
+            Some(1.0)
+        }
+    }
+
+    const MUTATIONS: f64 = 20_000.0;
+
+    fn strata(exaggerated: [f64; 4]) -> Vec<Quarter> {
+        // By power, the darkest strata look the brightest.
+        let quarter = |(index, (power, exaggerated))| Quarter { index, power, exaggerated };
+        (0..).zip([30.0, 60.0, 1.0, 1.0].into_iter().zip(exaggerated)).map(quarter).collect()
+    }
+
+    fn with_estimator<T>(
+        strata: &[Quarter],
+        shares: &[Share],
+        run: impl FnOnce(&Metropolis<Point, Quarter, Step, fn(&Point) -> f64>) -> T,
+    ) -> T {
+        let (mixture, importance) = (Mixture::new(vec![Step]), importance as fn(&Point) -> f64);
+        run(&Metropolis { strata, shares, mixture: &mixture, importance: &importance, seed: 5, work: || 0 })
+    }
+
+    fn measured(rounds: u64) -> (Vec<Measure>, Vec<Share>) {
+        let strata = strata([1.0; 4]);
+        let shares = shares_by_power(&strata, MUTATIONS);
+        let weigh = |image: &[f64]| vec![1.0; image.len()];
+        let (measures, _) = with_estimator(&strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
+        let fitted = allocate(&measures, &shares, MUTATIONS);
+        (measures, fitted)
+    }
+
+    /// Means and standard errors of the sites after many rounds with the given shares.
+    fn image(exaggerated: [f64; 4], shares: &[Share]) -> Vec<(f64, f64)> {
+        let mut film = Film::<1>::new(16, 0.1);
+        with_estimator(&strata(exaggerated), shares, |e| {
+            render(e, 0..200, &mut film, &mut Tally::default(), &mut |_, _, _| ControlFlow::Continue(()))
+        });
+        (0..16).map(|i| film.pixel(i)[0]).map(|p| (p.mean, p.stderr)).collect()
+    }
+
+    fn exact(site: usize) -> f64 {
+        let at = |i: u32| (site as f64 + (f64::from(i) + 0.5) / 1000.0) / 16.0;
+        (0..1000).map(|i| importance(&Point(at(i))) / 16_000.0).sum()
+    }
+
+    fn worst_z(image: &[(f64, f64)]) -> f64 {
+        let z = |(i, &(mean, error)): (usize, &(f64, f64))| (mean - exact(i)).abs() / error.max(1e-12);
+        image.iter().enumerate().map(z).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn fitted_shares_keep_the_mean_and_lower_the_noise() {
+        let (measures, fitted) = measured(8);
+        for (j, m) in measures.iter().enumerate() {
+            let b: f64 = (4 * j..4 * j + 4).map(exact).sum();
+            assert!((m.b - b).abs() < 5.0 * m.b_stderr + 1e-12, "{m:?}");
+        }
+        assert!(fitted[2].mutations > fitted[3].mutations && fitted[3].mutations > fitted[0].mutations, "{fitted:?}");
+        let (by_power, adapted) =
+            (image([1.0; 4], &shares_by_power(&strata([1.0; 4]), MUTATIONS)), image([1.0; 4], &fitted));
+        assert!(worst_z(&by_power) < 4.0 && worst_z(&adapted) < 4.0);
+        let noise = |image: &[(f64, f64)]| image.iter().map(|(_, error)| error * error).sum::<f64>();
+        assert!(noise(&adapted) < 0.1 * noise(&by_power), "{} and {}", noise(&adapted), noise(&by_power));
+    }
+
+    /// The negative control: a stratum's deposits over N/K, the mean of n_j, in place of n_j.
+    #[test]
+    fn shares_that_are_not_divided_out_are_found() {
+        let (_, fitted) = measured(8);
+        let mean = fitted.iter().map(|s| s.mutations as f64).sum::<f64>() / 4.0;
+        let wrong = std::array::from_fn(|j| fitted[j].mutations as f64 / mean);
+        assert!(worst_z(&image(wrong, &fitted)) > 20.0);
+    }
+
+    /// chain_error / n predicts the variance that a round with n mutations has.
+    #[test]
+    fn the_predicted_noise_is_the_noise() {
+        let (measures, _) = measured(64);
+        let shares = shares_by_power(&strata([1.0; 4]), MUTATIONS);
+        let rendered = image([1.0; 4], &shares);
+        for j in [0, 2, 3] {
+            let Share { mutations: n, samples: m } = shares[j];
+            let chain = measures[j].chain_error.expect("measured") / n as f64;
+            let variance = chain + measures[j].sample_error / m as f64;
+            let seen: f64 = rendered[4 * j..4 * j + 4].iter().map(|(_, error)| 200.0 * error * error).sum();
+            assert!((seen / variance - 1.0).abs() < 0.5, "stratum {j}: {seen:e} against {variance:e}");
+        }
+        assert_eq!((measures[1].b, measures[1].chain_error), (0.0, None));
+    }
+}
