@@ -4,7 +4,7 @@ use super::bdpt::{Bidirectional, MOST_EDGES};
 use super::independent::{ImageSampler, Independent, SampleTally};
 use super::mutate::PathMutation;
 use super::path::{LightPath, Luminance, View};
-use super::primary::{AllConnections, Multiplexed, Part};
+use super::primary::{AllConnections, Multiplexed, Part, Techniques};
 use super::pt::PathTracer;
 use super::region::LightRegion;
 use super::scene::rays_traced;
@@ -79,8 +79,13 @@ pub struct Renderer<'a, I = Luminance> {
     whole: LightRegion,
 }
 
-/// Independent samples for b̂_j and the chains' starts: one for so many mutations.
-const MUTATIONS_A_SAMPLE: u64 = 32;
+/// Mutations for one independent sample, of those for b̂_j and the chains' starts: where such a sample is a whole
+/// bidirectional one and a mutation is a path.
+const PATH_MUTATIONS_A_SAMPLE: u64 = 32;
+/// The same where both are a bidirectional sample.
+const BIDIRECTIONAL_MUTATIONS_A_SAMPLE: u64 = 8;
+/// The same where both are a path. Most random paths are dark, so b̂_j takes many.
+const MULTIPLEXED_MUTATIONS_A_SAMPLE: u64 = 4;
 /// Probability of a large step in primary sample space.
 const LARGE_STEPS: f64 = 0.3;
 /// Fewest of them in a stratum and round.
@@ -119,15 +124,18 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         match self.settings.method {
             Method::Metropolis => {
                 let strata = LightStratum::all(&self.strata, view, max_edges);
-                self.metropolis(&strata, PathMutation::all(view), &self.importance, run)
+                self.metropolis(&strata, PathMutation::all(view), &self.importance, PATH_MUTATIONS_A_SAMPLE, run)
             }
             Method::PrimaryBidirectional => {
                 let strata = self.part().all(|part| AllConnections { part });
-                self.metropolis(&strata, PrimaryMutation::both(LARGE_STEPS), &PrimaryImportance, run)
+                let mutations = PrimaryMutation::both(LARGE_STEPS);
+                self.metropolis(&strata, mutations, &PrimaryImportance, BIDIRECTIONAL_MUTATIONS_A_SAMPLE, run)
             }
             Method::Multiplexed => {
-                let strata = self.part().all(|part| Multiplexed { part });
-                self.metropolis(&strata, PrimaryMutation::both(LARGE_STEPS), &PrimaryImportance, run)
+                let techniques = Techniques::new(max_edges);
+                let strata = self.part().all(|part| Multiplexed { part, techniques: &techniques });
+                let mutations = PrimaryMutation::both(LARGE_STEPS);
+                self.metropolis(&strata, mutations, &PrimaryImportance, MULTIPLEXED_MUTATIONS_A_SAMPLE, run)
             }
             Method::Bidirectional => self.independent(&Bidirectional { view, region: &self.whole, max_edges }, run),
             Method::Path => self.independent(&PathTracer { view, region: &self.whole, max_edges }, run),
@@ -149,14 +157,21 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         }
     }
 
-    fn metropolis<P, S, M, J>(&self, strata: &[S], mutations: Vec<M>, importance: &J, run: Run) -> Outcome
+    fn metropolis<P, S, M, J>(
+        &self,
+        strata: &[S],
+        mutations: Vec<M>,
+        importance: &J,
+        mutations_a_sample: u64,
+        run: Run,
+    ) -> Outcome
     where
         P: Path<Splat = Splat<3>> + Send,
         S: Stratum<P> + Sync,
         M: Mutation<P, S> + Sync,
         J: Importance<P> + Sync,
     {
-        let shares = self.shares(strata.iter().map(Stratum::power).collect());
+        let shares = self.shares(strata.iter().map(Stratum::power).collect(), mutations_a_sample);
         let mixture = Mixture::new(mutations);
         let (seed, work) = (self.settings.seed, rays_traced);
         let estimator = Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work };
@@ -169,12 +184,12 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     }
 
     /// n_j in proportion to power.
-    fn shares(&self, powers: Vec<f64>) -> Vec<Share> {
+    fn shares(&self, powers: Vec<f64>, mutations_a_sample: u64) -> Vec<Share> {
         let round = self.settings.per_pixel * f64::from(self.view.camera.pixels());
         let total: f64 = powers.iter().sum();
         let share = |power: f64| {
             let mutations = ((round * power / total).round() as u64).max(1);
-            Share { mutations, samples: (mutations / MUTATIONS_A_SAMPLE).max(LEAST_SAMPLES) }
+            Share { mutations, samples: (mutations / mutations_a_sample).max(LEAST_SAMPLES) }
         };
         powers.into_iter().map(share).collect()
     }
