@@ -7,7 +7,7 @@ use super::importance::{PixelImportance, Target};
 use super::independent::{ImageSampler, Independent, SampleTally};
 use super::mutate::PathMutation;
 use super::path::{LightPath, View};
-use super::primary::{AllConnections, Multiplexed, Part};
+use super::primary::{AllConnections, Multiplexed, Part, Techniques};
 use super::pt::PathTracer;
 use super::region::LightRegion;
 use super::scene::rays_traced;
@@ -97,6 +97,10 @@ pub struct Renderer<'a, I = PixelImportance> {
     pilot: StratumStats,
 }
 
+/// Mutations for one independent sample, of those for b̂_j and the chains' starts, where both are a bidirectional sample.
+const BIDIRECTIONAL_MUTATIONS_A_SAMPLE: u64 = 8;
+/// The same where both are a path. Most random paths are dark, so b̂_j takes many.
+const MULTIPLEXED_MUTATIONS_A_SAMPLE: u64 = 4;
 /// Probability of a large step in primary sample space.
 const LARGE_STEPS: f64 = 0.3;
 /// Samples a pixel of the image that a relative importance is made from.
@@ -214,8 +218,15 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
                 let mixture = Mixture::new(PathMutation::all(view));
                 self.metropolis(&self.estimator(&strata, &self.shares, &mixture), run)
             }
-            Method::PrimaryBidirectional => self.primary(&self.part().all(|part| AllConnections { part }), run),
-            Method::Multiplexed => self.primary(&self.part().all(|part| Multiplexed { part }), run),
+            Method::PrimaryBidirectional => {
+                let strata = self.part().all(|part| AllConnections { part });
+                self.primary(&strata, BIDIRECTIONAL_MUTATIONS_A_SAMPLE, run)
+            }
+            Method::Multiplexed => {
+                let techniques = Techniques::new(max_edges);
+                let strata = self.part().all(|part| Multiplexed { part, techniques: &techniques });
+                self.primary(&strata, MULTIPLEXED_MUTATIONS_A_SAMPLE, run)
+            }
             Method::Bidirectional => self.independent(&Bidirectional { view, region: &self.whole, max_edges }, run),
             Method::Path => self.independent(&PathTracer { view, region: &self.whole, max_edges }, run),
         }
@@ -237,7 +248,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     }
 
     /// Metropolis in primary sample space, with shares by power.
-    fn primary<P, S>(&self, strata: &[S], run: Run) -> Outcome
+    fn primary<P, S>(&self, strata: &[S], mutations_a_sample: u64, run: Run) -> Outcome
     where
         P: Path<Splat = Splat<3>> + Send,
         S: Stratum<P> + Sync,
@@ -245,7 +256,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         PrimaryImportance: Importance<P>,
     {
         let mutations = self.settings.per_pixel * f64::from(self.view.camera.pixels());
-        let shares = shares_by_power(strata, mutations);
+        let mut shares = shares_by_power(strata, mutations);
+        shares.iter_mut().for_each(|share| share.samples = share.samples.max(share.mutations / mutations_a_sample));
         let mixture = Mixture::new(PrimaryMutation::both(LARGE_STEPS));
         let (seed, work) = (self.settings.seed, rays_traced);
         let importance = &PrimaryImportance;

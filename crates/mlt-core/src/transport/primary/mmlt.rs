@@ -28,27 +28,37 @@ pub struct Technique {
     pub probability: f64,
 }
 
-impl Technique {
-    /// From two uniform numbers in [0, 1): P(K ≥ k) = (c/(k − 1 + c))² up to `max_edges`, then 1/(k + 1) for each s.
-    ///
-    /// The tail is a power of k: where light decays with the number of edges as it does in every scene that absorbs, what
-    /// divides by P(k) stays bounded.
-    #[inline]
-    pub fn new(u: f64, v: f64, max_edges: usize) -> Self {
-        let beyond = tail(max_edges + 1);
-        let edges = (LENGTH_SCALE * (1.0 / (1.0 - u * (1.0 - beyond)).sqrt() - 1.0)) as usize + 1;
-        let edges = edges.clamp(1, max_edges);
-        let light_vertices = ((v * (edges + 1) as f64) as usize).min(edges);
-        let of_length = (tail(edges) - tail(edges + 1)) / (1.0 - beyond);
-        Self { edges, light_vertices, probability: of_length / (edges + 1) as f64 }
-    }
+/// The law of techniques: P(K ≥ k) = (c/(k − 1 + c))² as far as the longest length, then P(s | k) = 1/(k + 1).
+///
+/// The tail is a power of k: light decays exponentially with the number of edges in every scene that absorbs, so what is
+/// divided by P(k) stays bounded.
+#[derive(Clone, Debug)]
+pub struct Techniques {
+    /// P(K ≤ k) for k = 0, 1, 2 …
+    cumulative: Vec<f64>,
 }
 
-/// P(K ≥ k) without a limit.
-#[inline]
-fn tail(k: usize) -> f64 {
-    let root = LENGTH_SCALE / ((k - 1) as f64 + LENGTH_SCALE);
-    root * root
+impl Techniques {
+    /// Lengths of 1 … `max_edges`.
+    pub fn new(max_edges: usize) -> Self {
+        let beyond = |k: usize| (LENGTH_SCALE / (k as f64 + LENGTH_SCALE)).powi(2);
+        let all = 1.0 - beyond(max_edges);
+        Self { cumulative: (0..=max_edges).map(|k| (1.0 - beyond(k)) / all).collect() }
+    }
+
+    /// From two uniform numbers in [0, 1).
+    #[inline]
+    pub fn choose(&self, u: f64, v: f64) -> Technique {
+        // From the start: short lengths are the likely ones.
+        let edges = self.cumulative[1..].iter().position(|&c| u < c).map_or(self.cumulative.len() - 1, |i| i + 1);
+        let light_vertices = ((v * (edges + 1) as f64) as usize).min(edges);
+        Technique { edges, light_vertices, probability: self.probability(edges) / (edges + 1) as f64 }
+    }
+
+    /// P(k).
+    fn probability(&self, edges: usize) -> f64 {
+        self.cumulative[edges] - self.cumulative[edges - 1]
+    }
 }
 
 /// F(u) = w_s f / (p_s P(k) P(s | k)) of one path of k edges, made with s vertices from the light.
@@ -56,6 +66,8 @@ fn tail(k: usize) -> f64 {
 pub struct Multiplexed<'a, I> {
     /// Where.
     pub part: Part<'a, I>,
+    /// How paths are made, up to the part's longest.
+    pub techniques: &'a Techniques,
 }
 
 /// A path, and what f is multiplied by.
@@ -84,7 +96,7 @@ impl<I: Importance<LightPath>> Tracer<STREAMS> for Multiplexed<'_, I> {
     type Output = Weighted;
 
     fn trace(&self, [choice, light, eye]: &mut Streams<STREAMS>, output: &mut Weighted) -> bool {
-        let technique = Technique::new(uniform(choice), f64::from(uniform_f32(choice)), self.part.max_edges);
+        let technique = self.techniques.choose(uniform(choice), f64::from(uniform_f32(choice)));
         let Some(weight) = self.make(&technique, &mut output.path, light, eye) else {
             return false;
         };
@@ -139,32 +151,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_and_techniques_follow_their_law() {
-        for max_edges in [1, 2, 6, 40, 1000] {
-            let mut counts = std::collections::BTreeMap::new();
-            let n = 2000;
-            for i in 0..n {
-                for j in 0..50 {
-                    let (u, v) = ((f64::from(i) + 0.5) / f64::from(n), (f64::from(j) + 0.5) / 50.0);
-                    let t = Technique::new(u, v, max_edges);
-                    assert!((1..=max_edges).contains(&t.edges) && t.light_vertices <= t.edges);
-                    *counts.entry(t.edges).or_insert((0.0, 0.0)) =
-                        (counts.get(&t.edges).map_or(0.0, |c: &(f64, f64)| c.0) + 1.0, t.probability);
-                }
+    fn every_technique_is_chosen_as_often_as_it_says() {
+        for max_edges in [1, 2, 6] {
+            let techniques = Techniques::new(max_edges);
+            let mut counts = vec![vec![0.0; max_edges + 1]; max_edges + 1];
+            let (n, m) = (1000, 840);
+            for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
+                let at = |i: u32, n: u32| (f64::from(i) + 0.5) / f64::from(n);
+                let t = techniques.choose(at(i, n), at(j, m));
+                counts[t.edges][t.light_vertices] += 1.0 / f64::from(n * m) / t.probability;
             }
-            for (edges, (count, probability)) in counts {
-                let of_length = probability * (edges + 1) as f64;
-                assert!((count / f64::from(50 * n) - of_length).abs() <= 1.0 / f64::from(n), "{edges} of {max_edges}");
+            for (k, s) in (1..=max_edges).flat_map(|k| (0..=k).map(move |s| (k, s))) {
+                assert!((counts[k][s] - 1.0).abs() < 0.02, "k = {k} of {max_edges}, s = {s}: {}", counts[k][s]);
             }
         }
     }
 
     #[test]
-    fn probabilities_of_all_techniques_sum_to_one() {
-        for max_edges in [1, 2, 6, 1000] {
-            let of = |k: usize| (tail(k) - tail(k + 1)) / (1.0 - tail(max_edges + 1));
-            let sum: f64 = (1..=max_edges).map(of).sum();
+    fn lengths_sum_to_one_and_fall_off_as_a_power() {
+        for max_edges in [1, 6, 1000] {
+            let techniques = Techniques::new(max_edges);
+            let sum: f64 = (1..=max_edges).map(|k| techniques.probability(k)).sum();
             assert!((sum - 1.0).abs() < 1e-12, "{max_edges}: {sum}");
         }
+        let techniques = Techniques::new(1000);
+        assert!(techniques.probability(100) > 0.1 * techniques.probability(50));
+        assert_eq!(techniques.choose(1.0, 1.0).edges, 1000);
     }
 }

@@ -11,7 +11,7 @@ use super::path::{LightPath, View};
 use super::strata::LightStrata;
 use crate::primary::PrimaryStratum;
 
-pub use mmlt::{Multiplexed, Technique};
+pub use mmlt::{Multiplexed, Technique, Techniques};
 pub use pssmlt::{AllConnections, Splats};
 
 /// What the two tracers share: a part of path space, and the scalar that its chains sample.
