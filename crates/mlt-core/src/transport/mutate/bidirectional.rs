@@ -17,7 +17,7 @@ use crate::engine::uniform;
 use rand_pcg::rand_core::Rng;
 
 /// P(d): relative weights of deleting d = 0, 1, 2 … vertices; each further one half of the last.
-const DELETED: [f64; 3] = [0.25, 0.5, 0.25];
+const DELETED: [f64; 3] = [0.1, 0.5, 0.25];
 /// P(a | d): relative weights of |a − d| = 0, 1, 2.
 const CHANGE: [f64; 3] = [0.5, 0.15, 0.05];
 /// Relative weight of the technique that has to hit a light or the image by chance.

@@ -10,7 +10,7 @@
 //! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the distance to the camera.
 
 use super::super::path::{LightPath, View};
-use super::follow::perturb_from_light;
+use super::follow::{SUITABILITY, perturb_from_light};
 use super::lens::first_diffuse;
 use rand_pcg::rand_core::Rng;
 
@@ -22,11 +22,11 @@ pub struct CausticPerturbation<'a> {
 }
 
 impl CausticPerturbation<'_> {
-    /// 1 for paths of its form, else 0.
+    /// Positive for paths of its form, else 0.
     pub fn suitability(&self, current: &LightPath) -> f64 {
         let k = current.edges();
         let specular = |i: usize| current.vertices[i].vertex.delta;
-        if k >= 3 && !specular(k - 1) && specular(k - 2) { 1.0 } else { 0.0 }
+        if k >= 3 && !specular(k - 1) && specular(k - 2) { SUITABILITY } else { 0.0 }
     }
 
     /// Writes a path over `proposal` and returns T(y→x)/T(x→y).

@@ -11,7 +11,7 @@
 //! Source: [VeachGuibas97], section 5.3.3.
 
 use super::super::path::{LightPath, View};
-use super::follow::perturb_from_eye;
+use super::follow::{SUITABILITY, perturb_from_eye};
 use rand_pcg::rand_core::Rng;
 
 /// Moves the camera ray.
@@ -22,11 +22,11 @@ pub struct LensPerturbation<'a> {
 }
 
 impl LensPerturbation<'_> {
-    /// 1 for paths of its form, else 0.
+    /// Positive for paths of its form, else 0.
     pub fn suitability(&self, current: &LightPath) -> f64 {
         let m = first_diffuse(current, current.edges());
         let connects = m == 0 || !current.vertices[m - 1].vertex.delta;
-        if connects { 1.0 } else { 0.0 }
+        if connects { SUITABILITY } else { 0.0 }
     }
 
     /// Writes a path over `proposal` and returns T(y→x)/T(x→y).

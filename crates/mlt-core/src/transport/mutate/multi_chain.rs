@@ -11,7 +11,7 @@
 //! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the image.
 
 use super::super::path::{LightPath, View};
-use super::follow::perturb_from_eye;
+use super::follow::{SUITABILITY, perturb_from_eye};
 use super::lens::first_diffuse;
 use rand_pcg::rand_core::Rng;
 
@@ -23,11 +23,11 @@ pub struct MultiChainPerturbation<'a> {
 }
 
 impl MultiChainPerturbation<'_> {
-    /// 1 for paths with a specular chain that the lens perturbation cannot reach, else 0.
+    /// Positive for paths with a specular chain that the lens perturbation cannot reach, else 0.
     pub fn suitability(&self, current: &LightPath) -> f64 {
         let m = first_diffuse(current, current.edges());
         let goes_on = m > 0 && current.vertices[m - 1].vertex.delta;
-        if goes_on { 1.0 } else { 0.0 }
+        if goes_on { SUITABILITY } else { 0.0 }
     }
 
     /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
