@@ -3,4 +3,5 @@
 pub(crate) mod balance;
 mod camera;
 pub(crate) mod paths;
+mod perturbations;
 mod strata;
