@@ -31,8 +31,7 @@ fn reference(name: &str) -> Known {
     )
     .unwrap();
     let mut attributes = image.attributes.other.iter().chain(&image.layer_data.attributes.other);
-    let Some((_, AttributeValue::Text(error))) = attributes.find(|(name, _)| **name == *"peer_self_relMSE")
-    else {
+    let Some((_, AttributeValue::Text(error))) = attributes.find(|(name, _)| **name == *"peer_self_relMSE") else {
         panic!("{path} does not say its error");
     };
     let relative_error: f64 = error.to_string().parse().unwrap();

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::{
     row::Row,
     statistics::{self, Estimate, Verdict, mean, mean_of},
+    summary::Axis,
 };
 
 /// Unstratified and stratified; the paper does not say into how many cells it cuts a light.
@@ -36,6 +37,8 @@ pub struct Cell {
     pub interval: Option<(f64, f64)>,
     /// relativeDiff in the paper.
     pub paper_relative_diff: f64,
+    /// Rays per pixel, those of the independent samples included.
+    pub rays: f64,
     /// Acceptance rate, a fraction.
     pub acceptance: f64,
     /// Acceptance rate in the paper.
@@ -99,11 +102,12 @@ fn errors(rows: &[&Row]) -> Vec<f64> {
 
 fn cell(scene: &PaperScene, method: usize, rows: &[&Row]) -> Cell {
     let errors = errors(rows);
-    let Estimate { value, interval } = statistics::ratio(&errors, &vec![1.0; errors.len()], mean);
+    let Estimate { value, interval } = statistics::estimate(&errors, mean);
     Cell {
         relative_diff: value,
         interval,
         paper_relative_diff: scene.relative_diff[method],
+        rays: mean_of(rows.iter().map(|row| Axis::Rays.of(row))),
         acceptance: mean_of(rows.iter().filter_map(|row| row.acceptance)),
         paper_acceptance: scene.acceptance[method],
     }
@@ -113,14 +117,14 @@ fn cell(scene: &PaperScene, method: usize, rows: &[&Row]) -> Cell {
 pub fn text(table: &[Comparison]) -> String {
     let mut text = String::new();
     if !table.is_empty() {
-        text += "scene    algorithm     relativeDiff  paper  acceptance    paper\n";
+        text += "scene    algorithm     relativeDiff  paper  acceptance    paper  rays/pixel\n";
     }
     for Comparison { scene, stratified, unstratified, ratio, paper_ratio, verdict, .. } in table {
         for (name, cell) in [("stratified", stratified), ("unstratified", unstratified)] {
-            let Cell { relative_diff, paper_relative_diff, acceptance, paper_acceptance, .. } = cell;
+            let Cell { relative_diff, paper_relative_diff, rays, acceptance, paper_acceptance, .. } = cell;
             let (ours, paper) = (100.0 * acceptance, 100.0 * paper_acceptance);
             text += &format!(
-                "{scene:8} {name:12}  {relative_diff:12.5}  {paper_relative_diff:.3}  {ours:8.2} %  {paper:.2} %\n"
+                "{scene:8} {name:12}  {relative_diff:12.5}  {paper_relative_diff:.3}  {ours:8.2} %  {paper:.2} %  {rays:10.1}\n"
             );
         }
         text += &format!("{scene:8} ratio         {ratio:12.3}  {paper_ratio:.3}  {verdict}\n");
@@ -158,7 +162,7 @@ mod tests {
         assert_eq!((table.len(), table[0].scene, table[0].renders, table[0].ratio), (1, "ring", 4, 0.5));
         assert_eq!(table[0].stratified.interval, Some((1.0, 1.0)));
         let text = text(&table);
-        assert!(text.contains("ring     stratified         1.00000  0.010     25.00 %  34.61 %"), "{text}");
+        assert!(text.contains("ring     stratified         1.00000  0.010     25.00 %  34.61 %       100.0"), "{text}");
         assert!(super::text(&[]).is_empty());
     }
 }

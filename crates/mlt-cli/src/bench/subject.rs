@@ -26,8 +26,10 @@ use crate::{
 
 /// Side of the images when nothing says otherwise, pixels.
 const USUAL_SIDE: usize = 256;
-/// Mutations or samples per pixel of the render that counts the rays of one.
-const TRIAL: f64 = 4.0;
+/// Size of the larger of the renders that count rays, as a share of the run.
+const TRIAL: f64 = 0.125;
+/// Fewest mutations or samples per pixel of a run.
+const LEAST: f64 = 1.0 / 64.0;
 
 /// A scene, loaded.
 pub struct Subject {
@@ -60,8 +62,8 @@ impl Subject {
         interrupt: &Interrupt,
     ) -> Result<Option<Rendered>, Failure> {
         let budget = match budget {
-            Budget::Rays(rays) => match self.render(method, Budget::PerPixel(TRIAL), 0, interrupt)? {
-                Some(trial) => Budget::PerPixel(TRIAL * rays / self.rays_per_pixel(&trial)),
+            Budget::Rays(rays) => match self.per_pixel(method, rays, interrupt)? {
+                Some(per_pixel) => Budget::PerPixel(per_pixel),
                 None => return Ok(None),
             },
             other => other,
@@ -81,8 +83,19 @@ impl Subject {
         }
     }
 
-    fn rays_per_pixel(&self, trial: &Rendered) -> f64 {
-        (trial.report.rays as f64 / f64::from(self.setup.camera.pixels())).max(f64::MIN_POSITIVE)
+    /// Mutations or samples per pixel for so many rays per pixel, on the line through two small renders: each round has
+    /// a cost of its own. The same on every machine. `None` when a signal stopped it.
+    fn per_pixel(&self, method: &Variant, rays: f64, interrupt: &Interrupt) -> Result<Option<f64>, Failure> {
+        let pixels = f64::from(self.setup.camera.pixels());
+        let count = |per_pixel: f64| -> Result<Option<f64>, Failure> {
+            let trial = self.render(method, Budget::PerPixel(per_pixel), 0, interrupt)?;
+            Ok(trial.map(|trial| trial.report.rays as f64 / pixels))
+        };
+        let Some(first) = count(1.0)? else { return Ok(None) };
+        let size = (TRIAL * rays / first.max(1.0)).max(2.0);
+        let Some(second) = count(size)? else { return Ok(None) };
+        let each = ((second - first) / (size - 1.0)).max(f64::MIN_POSITIVE);
+        Ok(Some((1.0 + (rays - first) / each).clamp(LEAST, rays.max(LEAST))))
     }
 
     /// Finds the reference in the folder, or renders it; `None` when a signal stopped that.

@@ -7,7 +7,7 @@ use clap::{Args, FromArgMatches};
 use crate::{args::render::RenderOptions, exit::one_sentence};
 
 /// Options that all runs of a study share, and that a method can therefore not have for itself.
-const SHARED: [&str; 16] = [
+const SHARED: [&str; 15] = [
     "output",
     "max-length",
     "mutations-per-pixel",
@@ -23,7 +23,6 @@ const SHARED: [&str; 16] = [
     "camera-to",
     "fov",
     "exposure",
-    "log",
 ];
 
 /// One of the things to compare: a command line of `mlt render` without what the study decides.

@@ -110,6 +110,12 @@ impl Bidirectional<'_> {
     /// for s = 0 over those that start anywhere.
     pub fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         let image = Vec2::new(uniform_f32(rng), uniform_f32(rng));
+        self.sample_at(image, rng, visit);
+    }
+
+    /// As [`sample`](Self::sample), with the camera subpath through a given point of the image. Weights are those of a
+    /// uniform point, so a mean over stratified points stays right.
+    pub fn sample_at(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         self.with_subpaths(image, rng, |scratch, _| self.connect_all(scratch, visit));
     }
 

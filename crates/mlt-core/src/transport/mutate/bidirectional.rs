@@ -267,7 +267,7 @@ mod tests {
 
     fn with_ratio(ratio: impl Fn(&Edit, usize, &LightPath, &LightPath, &LightStratum) -> f64 + Sync) -> Imbalance {
         let world = two_lights(lambert(Rgb::splat(0.6)), mirror());
-        imbalance(&world, Stratification::None, 40_000, |x, y, within, rng| {
+        imbalance(&world, Stratification::None, 80_000, |x, y, within, rng| {
             let paths = [&mut x.clone(), y];
             propose_with(&world, paths, within, rng, |edit, split, x, y| ratio(edit, split, x, y, within))
         })

@@ -43,3 +43,44 @@ pub(super) fn first_diffuse(path: &LightPath, i: usize) -> usize {
     }
     m
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::strata::Stratification;
+    use super::super::super::testing::{World, glass, glossy, lambert, mirror, pond, room, two_lights};
+    use super::super::super::tests::balance::imbalance;
+    use super::*;
+    use crate::transport::Rgb;
+
+    /// Moves of paths of the form that the perturbation applies to.
+    fn suited<'a>(world: &'a World, x: &LightPath) -> Option<LensPerturbation<'a>> {
+        let lens = LensPerturbation { view: world.view() };
+        (lens.suitability(x) > 0.0).then_some(lens)
+    }
+
+    #[test]
+    fn flows_are_balanced() {
+        for (name, world) in [
+            ("diffuse", room(lambert(Rgb::splat(0.5)), true)),
+            ("mirror", room(mirror(), true)),
+            ("coated", room(glossy(), true)),
+            ("glass", room(glass(0.0), false)),
+            ("water", pond()),
+            ("two lights", two_lights(glass(0.0), mirror())),
+        ] {
+            let found = imbalance(&world, Stratification::Grid(2, 1), 15_000, |x, y, _, rng| {
+                suited(&world, x)?.propose(x, y, rng)
+            });
+            found.assert_balanced(name);
+        }
+    }
+
+    #[test]
+    fn a_ratio_without_the_densities_is_seen() {
+        let world = pond();
+        let found = imbalance(&world, Stratification::None, 60_000, |x, y, _, rng| {
+            suited(&world, x)?.propose(x, y, rng).map(|_| 1.0)
+        });
+        found.assert_detected("without the densities");
+    }
+}

@@ -30,21 +30,26 @@ fn imbalance_of(
 
 #[test]
 fn flows_are_balanced() {
-    for (name, world) in [
+    let worlds = [
         ("diffuse", room(lambert(Rgb::splat(0.5)), true)),
         ("mirror", room(mirror(), true)),
         ("coated", room(glossy(), true)),
         ("glass", room(glass(0.0), false)),
         ("water", pond()),
         ("two lights", two_lights(glass(0.0), mirror())),
-    ] {
-        for mutation in ["lens", "caustic", "multi-chain"] {
-            let what = format!("{mutation}, {name}");
-            if let Some(found) = imbalance_of(mutation, &world, (Stratification::Grid(2, 1), 10_000), |_, _| 1.0) {
-                println!("{what}: z = {:.2} of {}", found.z, found.tests);
-                found.assert_balanced(&what);
+    ];
+    for mutation in ["lens", "caustic", "multi-chain"] {
+        let mut tested = 0;
+        for (name, world) in &worlds {
+            let found = imbalance_of(mutation, world, (Stratification::Grid(2, 1), 10_000), |_, _| 1.0);
+            // Where a mutation hardly ever applies there is nothing to test.
+            if let Some(found) = found.filter(|found| found.tests > 10) {
+                println!("{mutation}, {name}: z = {:.2} of {}", found.z, found.tests);
+                found.assert_balanced(&format!("{mutation}, {name}"));
+                tested += 1;
             }
         }
+        assert!(tested >= 3, "{mutation}: {tested}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! The report: one page that holds everything it shows.
 
-use std::collections::BTreeSet;
+mod tables;
 
 use anyhow::Context;
 use askama::Template;
@@ -11,11 +11,12 @@ use super::{
     paper::{Cell as PaperCell, Comparison},
     row::Row,
     runs::Ready,
-    statistics::{self, Estimate, Verdict, median},
+    statistics::{self, Estimate, median},
     subject::{Reference, Subject},
     summary::{Axis, Curve, Point, curves, usual_target},
 };
 use crate::args::bench::BenchOptions;
+use tables::{Line, RatioLine, acceptance, class, error_cells, interval, line, mutations, ratio_line, reach};
 
 #[derive(Template)]
 #[template(path = "report.html")]
@@ -41,8 +42,8 @@ struct PaperRow {
 
 struct PaperLine {
     algorithm: &'static str,
-    /// relativeDiff, its interval, the paper's, acceptance, the paper's.
-    cells: [String; 5],
+    /// relativeDiff, its interval, the paper's, acceptance, the paper's, rays.
+    cells: [String; 6],
 }
 
 struct Scene {
@@ -60,25 +61,6 @@ struct Scene {
     strata: Vec<Strata>,
     reference_image: String,
     pictures: Vec<Picture>,
-}
-
-/// A method and its figures.
-struct Line {
-    name: String,
-    colour: &'static str,
-    cells: Vec<String>,
-}
-
-struct RatioLine {
-    name: String,
-    colour: &'static str,
-    cells: Vec<RatioCell>,
-}
-
-struct RatioCell {
-    value: String,
-    interval: String,
-    class: &'static str,
 }
 
 struct Strata {
@@ -157,10 +139,6 @@ fn describe(reference: &Reference) -> String {
     format!("{}×{} pixels; reference: {origin}{}", image.width, image.height, own.unwrap_or_default())
 }
 
-fn line(curve: &Curve, cells: Vec<String>) -> Line {
-    Line { name: curve.name.to_owned(), colour: chart::colour(curve.method), cells }
-}
-
 fn error_chart(curves: &[Curve], axis: Axis, reference: &Reference) -> String {
     let levels = |point: &Point| {
         let errors = point.errors();
@@ -180,82 +158,6 @@ fn error_chart(curves: &[Curve], axis: Axis, reference: &Reference) -> String {
     };
     let lines: Vec<_> = curves.iter().map(line).collect();
     chart::curves(&lines, axis.name(), "relMSE", reference.own_error.map(|own| (own, "noise of the reference")))
-}
-
-/// Medians at the largest budget.
-fn error_cells(curve: &Curve, axis: Axis) -> Vec<String> {
-    let last = curve.last();
-    let median = |figure: fn(&Row) -> f64| significant(last.median(figure));
-    let optional = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), significant);
-    vec![
-        significant(last.median(|row| axis.of(row))),
-        median(|row| row.errors.rel_mse),
-        optional(last.worst_over_median()),
-        curve.slope(axis).map_or_else(|| "–".into(), |slope| format!("{slope:.2}").replace('-', "−")),
-        median(|row| row.errors.relative_diff),
-        median(|row| row.errors.mape),
-        optional(last.mean(|row| row.errors.flip.map(f64::from))),
-        format!("{:.4}", last.median(|row| row.errors.mean_ratio)),
-        last.rows.len().to_string(),
-    ]
-}
-
-/// Where each method reaches the target, and that over the best other method's.
-fn reach(curves: &[Curve], axes: &[Axis], target: f64) -> Vec<Line> {
-    let cells = |curve: &Curve, axis: Axis| {
-        let others = curves.iter().filter(|other| other.method != curve.method);
-        let best = others.filter_map(|other| other.reaches(axis, target)).map(|crossing| crossing.x).reduce(f64::min);
-        let own = curve.reaches(axis, target);
-        let mark = if own.is_some_and(|own| own.extrapolated) { "≈ " } else { "" };
-        let ratio = own.zip(best).map(|(own, best)| own.x / best);
-        [own.map(|own| own.x), ratio]
-            .map(|value| value.map_or_else(|| "–".into(), |x| mark.to_owned() + &significant(x)))
-    };
-    curves.iter().map(|curve| line(curve, axes.iter().flat_map(|axis| cells(curve, *axis)).collect())).collect()
-}
-
-fn ratio_line(curve: &Curve, curves: &[Curve]) -> RatioLine {
-    let cell = |other: &Curve| {
-        if other.method == curve.method {
-            return RatioCell { value: String::new(), interval: String::new(), class: "self" };
-        }
-        let estimate = statistics::ratio(&curve.last().errors(), &other.last().errors(), median);
-        RatioCell { value: significant(estimate.value), interval: interval(estimate.interval), class: class(&estimate) }
-    };
-    RatioLine {
-        name: curve.name.to_owned(),
-        colour: chart::colour(curve.method),
-        cells: curves.iter().map(cell).collect(),
-    }
-}
-
-fn interval(interval: Option<(f64, f64)>) -> String {
-    interval.map_or_else(String::new, |(low, high)| format!("{} – {}", significant(low), significant(high)))
-}
-
-fn class(ratio: &Estimate) -> &'static str {
-    match ratio.verdict() {
-        Verdict::Less => "less",
-        Verdict::Greater => "greater",
-        Verdict::Open => "open",
-    }
-}
-
-fn mutations(curves: &[Curve]) -> Vec<String> {
-    let names = curves.iter().flat_map(|curve| &curve.last().rows).flat_map(|row| row.mutation_acceptance.keys());
-    names.cloned().collect::<BTreeSet<_>>().into_iter().collect()
-}
-
-/// Share accepted of all proposals and of each mutation's, of methods that have any.
-fn acceptance(curves: &[Curve], mutations: &[String]) -> Vec<Line> {
-    let percent = |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), |rate| format!("{:.1} %", 100.0 * rate));
-    let of = |curve: &Curve| {
-        let last = curve.last();
-        let all = last.mean(|row| row.acceptance)?;
-        let each = mutations.iter().map(|name| last.mean(|row| row.mutation_acceptance.get(name).copied().flatten()));
-        Some(line(curve, std::iter::once(Some(all)).chain(each).map(percent).collect()))
-    };
-    curves.iter().filter_map(of).collect()
 }
 
 /// b_j, its standard error in one run and n_j, means over the seeds; `None` for methods with a single stratum or none.
@@ -314,6 +216,7 @@ fn paper_line(algorithm: &'static str, cell: &PaperCell) -> PaperLine {
             format!("{:.3}", cell.paper_relative_diff),
             percent(cell.acceptance),
             percent(cell.paper_acceptance),
+            significant(cell.rays),
         ],
     }
 }
