@@ -60,9 +60,9 @@ impl ImageSampler for BrightDirectLight<'_> {
         self.0.size()
     }
 
-    fn deposit(&self, _: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng) {
+    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng) {
         let pixels = f64::from(self.0.view.camera.pixels());
-        self.0.sample(rng, &mut |path, density| {
+        self.0.sample_at(image, rng, &mut |path, density| {
             let error = if path.edges() == 2 { 1.02 } else { 1.0 };
             path.splats().for_each(|splat| sink.deposit(splat, weight * density * error / pixels));
         });

@@ -3,5 +3,4 @@
 pub(crate) mod balance;
 mod camera;
 pub(crate) mod paths;
-mod perturbations;
 mod strata;
