@@ -4,7 +4,6 @@ use mlt_core::transport::camera::Camera;
 use mlt_core::transport::path::View;
 use mlt_core::transport::render::{Method, Settings};
 use mlt_core::transport::scene::Scene;
-use mlt_core::transport::strata::Stratification;
 
 /// A built-in scene, ready to render.
 pub struct Loaded {
@@ -34,6 +33,6 @@ impl Loaded {
 
     /// Settings without strata and without a limit on lengths.
     pub fn settings(&self, method: Method, per_pixel: f64) -> Settings {
-        Settings { method, stratification: Stratification::None, max_edges: None, seed: 1, per_pixel }
+        Settings { method, seed: 1, per_pixel, ..Settings::default() }
     }
 }

@@ -80,7 +80,7 @@ pub struct Replicas {
 }
 
 pub fn settings(method: Method, stratification: Stratification, per_pixel: f64) -> Settings {
-    Settings { method, stratification, max_edges: None, seed: 1, per_pixel }
+    Settings { method, stratification, seed: 1, per_pixel, ..Settings::default() }
 }
 
 /// Every round is a replica.

@@ -15,8 +15,14 @@ pub struct Report {
     pub scene: String,
     /// `mlt`, `bdpt` or `pt`.
     pub method: String,
-    /// `none` or `NxM`.
+    /// As given: `none`, `auto`, a number or `NxM`, and classes.
     pub strata_option: String,
+    /// `power` or `adaptive`.
+    pub weights: String,
+    /// Rounds of each measurement of the pilot.
+    pub rounds_pilot: u64,
+    /// `stratified` or `mutation-only`.
+    pub variant: String,
     /// What chains sample in proportion to.
     pub importance: String,
     /// Pixels in a row.
@@ -45,6 +51,10 @@ pub struct Report {
     pub samples: u64,
     /// Rays traced, shadow rays included.
     pub rays: u64,
+    /// Mutations of the pilot, not in `mutations`; they went into no image.
+    pub pilot_mutations: u64,
+    /// Rays of the pilot, not in `rays`.
+    pub pilot_rays: u64,
     /// Share of proposals accepted.
     pub acceptance: Acceptance,
     /// ∫ I over all paths: mean importance of the image, all strata together.
@@ -101,6 +111,9 @@ impl fmt::Display for Report {
         }
         writeln!(f, "  samples         {}", self.samples)?;
         writeln!(f, "  rays            {} ({})", self.rays, rate(self.rays))?;
+        if self.pilot_rays > 0 {
+            writeln!(f, "  pilot           {} mutations, {} rays", self.pilot_mutations, self.pilot_rays)?;
+        }
         write!(f, "{}", self.acceptance)?;
         writeln!(f, "  b               {:.6} ± {:.6}", self.b, self.b_stderr)?;
         self.write_strata(f)?;
@@ -149,6 +162,9 @@ mod tests {
             scene: "cornell".into(),
             method: "mlt".into(),
             strata_option: "4x5".into(),
+            weights: "adaptive".into(),
+            rounds_pilot: 4,
+            variant: "stratified".into(),
             importance: "luminance".into(),
             width: 64,
             height: 48,
@@ -163,6 +179,8 @@ mod tests {
             mutations: 3_000_000,
             samples: 1000,
             rays: 9_000_000,
+            pilot_mutations: 100_000,
+            pilot_rays: 400_000,
             acceptance: Acceptance { mutations, total: Some(0.25) },
             b: 0.5,
             b_stderr: 0.001,
@@ -180,6 +198,9 @@ mod tests {
             "scene",
             "method",
             "strata_option",
+            "weights",
+            "rounds_pilot",
+            "variant",
             "seed",
             "threads",
             "rounds",
@@ -208,6 +229,7 @@ mod tests {
         for part in [
             "cornell: mlt, strata 4x5, 64x48, seed 7",
             "mutations       3000000 (1.50 M/s)",
+            "pilot           100000 mutations, 400000 rays",
             "acceptance      25.0 %, bidirectional 25.0 %\n",
             "b               0.500000 ± 0.001000",
             "and 4 more strata",

@@ -36,6 +36,28 @@ pub enum Importance {
     /// Luminance of a path's contribution
     #[default]
     Luminance,
+    /// The same over the image's luminance there, from a quick image: evens the relative error
+    Relative,
+}
+
+/// How mutations are shared among strata.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Weights {
+    /// In proportion to the power of the strata's lights
+    #[default]
+    Power,
+    /// By the noise and cost that pilot rounds measure
+    Adaptive,
+}
+
+/// What strata restrict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Variant {
+    /// Chains stay in their strata
+    #[default]
+    Stratified,
+    /// Only the bidirectional mutation stays in the stratum that it finds the path in
+    MutationOnly,
 }
 
 /// When a render is done.
@@ -66,9 +88,19 @@ pub struct RenderOptions {
     /// How light transport is computed
     #[arg(long, value_enum, default_value_t)]
     pub method: Method,
-    /// Cut lights into strata: 'none', or columns and rows of cells per light
-    #[arg(long, value_name = "none|NxM", default_value_t)]
+    /// Cut lights into strata: 'none', 'auto' (found by a pilot), a number of strata, or columns and rows of cells per
+    /// light; add ',length' and ',tiles:NxM' to cut by path length and over the image as well
+    #[arg(long, value_name = "none|auto|COUNT|NxM", default_value_t)]
     pub strata: Strata,
+    /// How mutations are shared among strata
+    #[arg(long, value_enum, default_value_t)]
+    pub weights: Weights,
+    /// Rounds of each measurement of the pilot, for adaptive weights and automatic strata
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(2..=64))]
+    pub rounds_pilot: u64,
+    /// What strata restrict
+    #[arg(long, value_enum, default_value_t)]
+    pub variant: Variant,
     /// What chains sample in proportion to
     #[arg(long, value_enum, default_value_t)]
     pub importance: Importance,
@@ -175,7 +207,7 @@ mod tests {
     fn the_defaults_render_the_cornell_box() {
         let options = parse("").expect("valid");
         assert_eq!(options.scene, PathBuf::from("cornell"));
-        assert_eq!((options.method, options.strata, options.seed), (Method::Mlt, Strata::None, 0));
+        assert_eq!((options.method, options.strata, options.seed), (Method::Mlt, Strata::default(), 0));
         assert_eq!((options.budget(), options.rounds, options.first_round), (None, None, 0));
         assert!(options.check().is_ok());
     }
@@ -189,7 +221,7 @@ mod tests {
         )
         .expect("valid");
         assert_eq!(options.outputs.len(), 2);
-        assert_eq!((options.method, options.strata), (Method::Bdpt, Strata::Grid { columns: 4, rows: 3 }));
+        assert_eq!((options.method, options.strata), (Method::Bdpt, "4x3".parse().expect("strata")));
         assert_eq!(options.budget(), Some(Budget::SamplesPerPixel(0.5)));
         assert_eq!((options.rounds, options.first_round, options.max_length), (Some(4), 2, Some(8)));
         assert_eq!((options.camera_from, options.camera_to), (Some([-1.0, 2.0, 3.0]), Some([0.0, 0.0, -1.0])));
@@ -225,7 +257,9 @@ mod tests {
         for (line, part) in [
             ("--method photon", "[possible values: mlt, bdpt, pt, pssmlt, mmlt]"),
             ("--size 0x4", "between 1 and 65536"),
-            ("--strata 3", "as in 4x4"),
+            ("--strata 3x", "as in 4x4"),
+            ("--weights equal", "[possible values: power, adaptive]"),
+            ("--rounds-pilot 1", "2..=64"),
             ("--time 30", "as in 30s"),
             ("--error -1", "more than 0"),
             ("--fov -30", "less than 180 degrees"),

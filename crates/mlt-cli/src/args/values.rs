@@ -2,10 +2,16 @@
 
 use std::{fmt, str::FromStr, time::Duration};
 
+use mlt_core::transport::{classes::Classes, strata::Stratification};
+
 use crate::output::MAX_SIDE;
 
 /// Most cells along one side of a light; more would leave no samples for each.
 const MAX_CELLS: u32 = 1024;
+/// Most strata over the lights.
+const MAX_STRATA: u32 = 65_536;
+/// Most tiles along one side of the image.
+const MAX_TILES: u32 = 64;
 
 /// Width and height of an image, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,42 +41,68 @@ impl fmt::Display for Size {
     }
 }
 
-/// How lights are cut into strata.
+/// How path space is cut into strata.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Strata {
-    /// One stratum: all paths.
-    #[default]
-    None,
-    /// Each light in `columns · rows` cells of equal area.
-    Grid {
-        /// Cells along the light's first side.
-        columns: u32,
-        /// Cells along the light's second side.
-        rows: u32,
-    },
+pub struct Strata {
+    /// Over the lights.
+    pub lights: Stratification,
+    /// Over path lengths and the image.
+    pub classes: Classes,
 }
+
+const STRATA_HELP: &str = "give 'none', 'auto', a number of strata, or the cells of each light, as in 4x4; then, if you \
+                           like, ',length' and ',tiles:2x2'";
 
 impl FromStr for Strata {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if text == "none" {
-            return Ok(Self::None);
+        let mut parts = text.split(',');
+        let mut strata = Self { lights: lights(parts.next().unwrap_or_default())?, classes: Classes::default() };
+        for part in parts {
+            match part.strip_prefix("tiles:") {
+                None if part == "length" => strata.classes.lengths = true,
+                None => return Err(STRATA_HELP.into()),
+                Some(tiles) => strata.classes.tiles = sides(tiles, MAX_TILES)?.into(),
+            }
         }
-        let cells = pair(text).map(|(columns, rows)| (u32::try_from(columns), u32::try_from(rows)));
-        match cells {
-            Some((Ok(columns @ 1..=MAX_CELLS), Ok(rows @ 1..=MAX_CELLS))) => Ok(Self::Grid { columns, rows }),
-            Some(_) => Err(format!("each side has to have between 1 and {MAX_CELLS} cells")),
-            None => Err("give 'none' or the cells of each light, as in 4x4".into()),
-        }
+        Ok(strata)
     }
+}
+
+fn lights(text: &str) -> Result<Stratification, String> {
+    match text {
+        "none" => Ok(Stratification::None),
+        "auto" => Ok(Stratification::Auto),
+        _ if text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() => match text.parse() {
+            Ok(count @ 1..=MAX_STRATA) => Ok(Stratification::Count(count)),
+            _ => Err(format!("there have to be between 1 and {MAX_STRATA} strata")),
+        },
+        _ => sides(text, MAX_CELLS).map(|(columns, rows)| Stratification::Grid(columns, rows)),
+    }
+}
+
+/// Columns and rows, each between 1 and `most`.
+fn sides(text: &str, most: u32) -> Result<(u32, u32), String> {
+    let (columns, rows) = pair(text).ok_or(STRATA_HELP)?;
+    let side = |n: u64| u32::try_from(n).ok().filter(|n| (1..=most).contains(n));
+    side(columns).zip(side(rows)).ok_or(format!("each side has to have between 1 and {most} cells"))
 }
 
 impl fmt::Display for Strata {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::None => write!(f, "none"),
-            Self::Grid { columns, rows } => write!(f, "{columns}x{rows}"),
+        match self.lights {
+            Stratification::None => write!(f, "none"),
+            Stratification::Auto => write!(f, "auto"),
+            Stratification::Count(count) => write!(f, "{count}"),
+            Stratification::Grid(columns, rows) => write!(f, "{columns}x{rows}"),
+        }?;
+        if self.classes.lengths {
+            write!(f, ",length")?;
+        }
+        match self.classes.tiles {
+            [1, 1] => Ok(()),
+            [columns, rows] => write!(f, ",tiles:{columns}x{rows}"),
         }
     }
 }
@@ -160,12 +192,33 @@ mod tests {
 
     #[test]
     fn strata() {
-        assert_eq!("none".parse(), Ok(Strata::None));
-        assert_eq!("4x3".parse(), Ok(Strata::Grid { columns: 4, rows: 3 }));
-        for bad in ["", "None", "4", "0x4", "4x0", "1025x1", "99999999999x1", "axb"] {
+        let plain = |lights| Ok(Strata { lights, classes: Classes::default() });
+        assert_eq!("none".parse(), plain(Stratification::None));
+        assert_eq!("auto".parse(), plain(Stratification::Auto));
+        assert_eq!("4x3".parse(), plain(Stratification::Grid(4, 3)));
+        assert_eq!("65536".parse(), plain(Stratification::Count(65_536)));
+        let classes = Classes { lengths: true, tiles: [3, 2] };
+        assert_eq!("8,length,tiles:3x2".parse(), Ok(Strata { lights: Stratification::Count(8), classes }));
+        for bad in [
+            "",
+            "None",
+            "0",
+            "65537",
+            "-1",
+            "0x4",
+            "4x0",
+            "1025x1",
+            "99999999999x1",
+            "axb",
+            "4x4,",
+            "4x4,tile:2x2",
+            "length",
+            "4,tiles:65x1",
+            "4,tiles:2",
+        ] {
             assert!(bad.parse::<Strata>().is_err(), "{bad}");
         }
-        for text in ["none", "4x3"] {
+        for text in ["none", "auto", "7", "4x3", "none,length", "4x4,length,tiles:2x3", "auto,tiles:1x2"] {
             assert_eq!(text.parse::<Strata>().map(|strata| strata.to_string()), Ok(text.into()));
         }
     }

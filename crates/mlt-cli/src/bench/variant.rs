@@ -81,7 +81,7 @@ fn parse(words: impl Iterator<Item = OsString>) -> Result<RenderOptions, String>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::{render::Method, values::Strata};
+    use crate::args::render::Method;
 
     fn options(text: &str) -> Result<RenderOptions, String> {
         text.parse::<Variant>()?.render_options(Path::new("-a scene"), &["--seed=3".into()])
@@ -92,7 +92,7 @@ mod tests {
         let found = options("bdpt").expect("valid");
         assert_eq!((found.method, found.seed, found.scene.as_path()), (Method::Bdpt, 3, Path::new("-a scene")));
         let found = options("mlt:4x3:importance=luminance:rounds=4").expect("valid");
-        assert_eq!((found.strata, found.rounds), (Strata::Grid { columns: 4, rows: 3 }, Some(4)));
+        assert_eq!((found.strata.to_string(), found.rounds), ("4x3".to_owned(), Some(4)));
         assert_eq!(options("mlt:rounds=4").map(|options| options.rounds), Ok(Some(4)));
     }
 

@@ -8,19 +8,19 @@ use std::{
 use mlt_core::{
     engine::{Film, MutationStats, Outcome, StratumStats},
     transport::{
+        adapt::{Adaptation, Weights},
+        importance::Target,
         path::View,
         render::{Counts, Method, Renderer, Settings, luminance_and_error, relative_error},
         strata::Stratification,
+        stratum::Variant,
     },
 };
 
 use super::{Plan, Setup, plan::TRUSTED_ROUNDS};
 use crate::{
     Failure,
-    args::{
-        render::{self, RenderOptions},
-        values::Strata,
-    },
+    args::render::{self, RenderOptions},
     cpu_seconds,
     interrupt::Interrupt,
     progress::Progress,
@@ -86,7 +86,7 @@ fn measured(options: &RenderOptions, view: View, plan: &Plan) -> f64 {
     let start = Instant::now();
     let mut size = 1.0 / 64.0;
     loop {
-        let trial = Renderer::new(view, settings(options, size));
+        let trial = Renderer::new(view, without_pilot(settings(options, size)));
         let before = Instant::now();
         trial.render(0..1, &mut trial.film(), &mut Counts::default(), &mut |_, _| ControlFlow::Continue(()));
         let seconds = before.elapsed().as_secs_f64().max(1e-6);
@@ -107,14 +107,36 @@ fn settings(options: &RenderOptions, per_pixel: f64) -> Settings {
             render::Method::Pssmlt => Method::PrimaryBidirectional,
             render::Method::Mmlt => Method::Multiplexed,
         },
-        stratification: match options.strata {
-            Strata::None => Stratification::None,
-            Strata::Grid { columns, rows } => Stratification::Grid(columns, rows),
+        stratification: options.strata.lights,
+        classes: options.strata.classes,
+        adaptation: Adaptation {
+            weights: match options.weights {
+                render::Weights::Power => Weights::Power,
+                render::Weights::Adaptive => Weights::Adaptive,
+            },
+            pilot_rounds: options.rounds_pilot,
+        },
+        variant: match options.variant {
+            render::Variant::Stratified => Variant::Stratified,
+            render::Variant::MutationOnly => Variant::MutationOnly,
+        },
+        target: match options.importance {
+            render::Importance::Luminance => Target::Luminance,
+            render::Importance::Relative => Target::Relative,
         },
         max_edges: options.max_length.map(|edges| edges as usize),
         seed: options.seed,
         per_pixel,
     }
+}
+
+/// Settings for a trial of speed: what a pilot would find does not matter much to it.
+fn without_pilot(settings: Settings) -> Settings {
+    let stratification = match settings.stratification {
+        Stratification::Auto => Stratification::None,
+        other => other,
+    };
+    Settings { stratification, adaptation: Adaptation::default(), target: Target::Luminance, ..settings }
 }
 
 /// When a render ends.
@@ -168,6 +190,9 @@ fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Count
         scene: setup.name.clone(),
         method: value_name(options.method),
         strata_option: options.strata.to_string(),
+        weights: value_name(options.weights),
+        rounds_pilot: options.rounds_pilot,
+        variant: value_name(options.variant),
         importance: value_name(options.importance),
         width,
         height,
@@ -182,6 +207,8 @@ fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Count
         mutations: counts.steps(),
         samples: counts.samples + counts.strata.iter().map(|s| s.samples).sum::<u64>(),
         rays: counts.rays,
+        pilot_mutations: counts.pilot_mutations,
+        pilot_rays: counts.pilot_rays,
         acceptance: acceptance(counts),
         b,
         b_stderr,

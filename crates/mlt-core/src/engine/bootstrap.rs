@@ -10,10 +10,12 @@ pub(super) struct Bootstrap {
     weights: Vec<f64>,
     /// How many weights were not finite; they are 0 in `weights`.
     pub(super) non_finite: u64,
+    /// What they took.
+    pub(super) work: u64,
 }
 
 impl Bootstrap {
-    pub(super) fn new(mut weights: Vec<f64>) -> Self {
+    pub(super) fn new(mut weights: Vec<f64>, work: u64) -> Self {
         let mut non_finite = 0;
         for weight in &mut weights {
             if !(weight.is_finite() && *weight >= 0.0) {
@@ -21,7 +23,7 @@ impl Bootstrap {
                 non_finite += 1;
             }
         }
-        Self { weights, non_finite }
+        Self { weights, non_finite, work }
     }
 
     pub(super) fn weights(&self) -> &[f64] {
@@ -103,7 +105,7 @@ mod tests {
 
     #[test]
     fn starts_are_drawn_in_proportion_to_weight() {
-        let bootstrap = Bootstrap::new(vec![0.0, 1.0, f64::NAN, 2.5, 0.5, f64::INFINITY]);
+        let bootstrap = Bootstrap::new(vec![0.0, 1.0, f64::NAN, 2.5, 0.5, f64::INFINITY], 0);
         assert_eq!(bootstrap.non_finite, 2);
         let mut counts = [0f64; 6];
         for round in 0..2000 {
@@ -120,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_dark_batch_starts_nothing() {
-        let bootstrap = Bootstrap::new(vec![0.0; 5]);
+        let bootstrap = Bootstrap::new(vec![0.0; 5], 0);
         assert!(bootstrap.choose(4, &mut generator(0, Purpose::Start, 0, 0, 0)).is_empty());
         assert_eq!(bootstrap.b(), 0.0);
     }

@@ -42,6 +42,19 @@ impl<const C: usize> Deposits<C> {
         self.lost = 0;
     }
 
+    /// Sites and the sums, over deposits and channels, that they get; in the order of the sites.
+    pub(super) fn sums(&self) -> Vec<(u32, f64)> {
+        let sum = |deposit: &Deposit<C>| (deposit.site, deposit.value.iter().map(|&v| f64::from(v)).sum());
+        let mut list: Vec<(u32, f64)> = self.bands.iter().flatten().map(sum).collect();
+        list.sort_by_key(|&(site, _)| site);
+        list.dedup_by(|later, first| {
+            let same = later.0 == first.0;
+            first.1 += if same { later.1 } else { 0.0 };
+            same
+        });
+        list
+    }
+
     pub(super) fn band(&self, band: usize) -> &[Deposit<C>] {
         &self.bands[band]
     }

@@ -50,8 +50,6 @@ pub struct Metropolis<'a, P, S, M, I> {
 pub struct Tally {
     /// In the order of the strata.
     pub strata: Vec<StratumStats>,
-    /// Work, in the unit of [`Metropolis::work`].
-    pub work: u64,
 }
 
 impl Tally {
@@ -61,6 +59,11 @@ impl Tally {
         self.strata.iter().for_each(|s| total.merge(s));
         total
     }
+
+    /// Work of all strata, in the unit of [`Metropolis::work`].
+    pub fn work(&self) -> u64 {
+        self.strata.iter().map(|s| s.chain_work + s.sample_work).sum()
+    }
 }
 
 /// A round that is ready to run its chains.
@@ -68,7 +71,14 @@ pub struct Prepared {
     round: u64,
     bootstraps: Vec<Bootstrap>,
     chains: Vec<ChainTask>,
-    work: u64,
+}
+
+impl Prepared {
+    /// Stratum and b̂ of a task's chain.
+    pub(super) fn chain(&self, task: usize) -> (usize, f64) {
+        let stratum = self.chains[task].stratum;
+        (stratum, self.bootstraps[stratum].b())
+    }
 }
 
 /// One chain: its stratum, number, first sample and length.
@@ -91,8 +101,7 @@ where
     }
 
     /// The independent samples of all strata, in blocks so that one large stratum keeps all threads busy.
-    /// With them: the work they took.
-    fn bootstraps(&self, round: u64) -> (Vec<Bootstrap>, u64) {
+    fn bootstraps(&self, round: u64) -> Vec<Bootstrap> {
         let blocks: Vec<_> = (self.shares.iter().enumerate())
             .flat_map(|(j, share)| (0..share.samples).step_by(BOOTSTRAP_BLOCK as usize).map(move |first| (j, first)))
             .collect();
@@ -103,14 +112,13 @@ where
             let weights = (first..last).map(|i| key(i).weight(&self.strata[j], self.importance)).collect();
             (weights, (self.work)() - before)
         };
-        let weighed: Vec<_> = blocks.par_iter().map(weigh).collect();
-        let work = weighed.iter().map(|(_, work)| work).sum();
-        let mut weighed = weighed.into_iter().map(|(weights, _)| weights);
+        let mut weighed = blocks.par_iter().map(weigh).collect::<Vec<_>>().into_iter();
         let gather = |share: &Share| {
             let blocks = share.samples.div_ceil(BOOTSTRAP_BLOCK) as usize;
-            Bootstrap::new(weighed.by_ref().take(blocks).flatten().collect())
+            let (weights, work): (Vec<_>, Vec<_>) = weighed.by_ref().take(blocks).unzip();
+            Bootstrap::new(weights.concat(), work.iter().sum())
         };
-        (self.shares.iter().map(gather).collect(), work)
+        self.shares.iter().map(gather).collect()
     }
 
     /// Chains of equal length with starts drawn from the stratum's bootstrap.
@@ -140,9 +148,9 @@ where
     type Tally = Tally;
 
     fn prepare(&self, round: u64) -> Prepared {
-        let (bootstraps, work) = self.bootstraps(round);
+        let bootstraps = self.bootstraps(round);
         let chains = bootstraps.iter().enumerate().flat_map(|(j, b)| self.chains(round, j, b)).collect();
-        Prepared { round, bootstraps, chains, work }
+        Prepared { round, bootstraps, chains }
     }
 
     fn tasks(&self, prepared: &Prepared) -> usize {
@@ -175,7 +183,8 @@ where
             }
             None => stats.refused_starts = 1,
         }
-        Tally { strata: vec![stats], work: (self.work)() - before }
+        stats.chain_work = (self.work)() - before;
+        Tally { strata: vec![stats] }
     }
 
     fn weight(&self, _round: u64) -> u64 {
@@ -184,7 +193,6 @@ where
 
     fn tally(&self, total: &mut Tally, prepared: Prepared, tasks: Vec<Tally>) {
         total.strata.resize_with(self.strata.len(), || StratumStats::new(self.mixture.mutations().len()));
-        total.work += prepared.work + tasks.iter().map(|t| t.work).sum::<u64>();
         for (chain, tally) in prepared.chains.iter().zip(tasks) {
             total.strata[chain.stratum].merge(&tally.strata[0]);
         }
@@ -194,6 +202,7 @@ where
             stats.weight_sum += weights.iter().sum::<f64>();
             stats.weight_squares += weights.iter().map(|w| w * w).sum::<f64>();
             stats.non_finite_samples += bootstrap.non_finite;
+            stats.sample_work += bootstrap.work;
             stats.dark_rounds += u64::from(bootstrap.b() == 0.0);
         }
     }

@@ -8,6 +8,7 @@
 //! as a mean over independent rounds ([`render`]), each of which is one unbiased estimate of the whole image
 //! ([`Metropolis`]). It names no vector type and no scene.
 
+mod allocation;
 mod bootstrap;
 mod chain;
 mod deposit;
@@ -19,9 +20,11 @@ mod metropolis;
 mod mixture;
 mod mutation;
 mod path;
+mod pilot;
 mod stats;
 mod stratum;
 
+pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, allocate, shares_by_power};
 pub use chain::Chain;
 pub use deposit::{Deposit, Deposits, Sink};
 pub use estimator::{Estimator, Observer, Outcome, Progress, render};
@@ -32,5 +35,6 @@ pub use metropolis::{Metropolis, Share, Tally};
 pub use mixture::Mixture;
 pub use mutation::Mutation;
 pub use path::{Path, Splat};
+pub use pilot::{Measure, PILOT};
 pub use stats::{MutationStats, StratumStats};
 pub use stratum::Stratum;

@@ -54,6 +54,10 @@ pub struct StratumStats {
     pub dark_rounds: u64,
     /// Chains that could not start because their first state, made again, had no importance: their share is missing.
     pub refused_starts: u64,
+    /// Work of the chains, in the unit of [`Metropolis::work`](super::Metropolis::work).
+    pub chain_work: u64,
+    /// Work of the independent samples, in the same unit.
+    pub sample_work: u64,
 }
 
 impl StratumStats {
@@ -69,12 +73,16 @@ impl StratumStats {
 
     /// Standard error of [`b`](Self::b); infinite with fewer than two samples.
     pub fn b_stderr(&self) -> f64 {
+        if self.samples < 2 { f64::INFINITY } else { (self.weight_variance() / self.samples as f64).sqrt() }
+    }
+
+    /// Variance of one sample's importance weight; infinite with fewer than two samples.
+    pub fn weight_variance(&self) -> f64 {
         if self.samples < 2 {
             return f64::INFINITY;
         }
         let n = self.samples as f64;
-        let variance = (self.weight_squares / n - self.b() * self.b()).max(0.0) * n / (n - 1.0);
-        (variance / n).sqrt()
+        (self.weight_squares / n - self.b() * self.b()).max(0.0) * n / (n - 1.0)
     }
 
     /// Steps of the chains.
@@ -94,5 +102,7 @@ impl StratumStats {
         self.non_finite_samples += other.non_finite_samples;
         self.dark_rounds += other.dark_rounds;
         self.refused_starts += other.refused_starts;
+        self.chain_work += other.chain_work;
+        self.sample_work += other.sample_work;
     }
 }

@@ -116,6 +116,11 @@ impl Bidirectional<'_> {
     /// As [`sample`](Self::sample), with the camera subpath through a given point of the image. Weights are those of a
     /// uniform point, so a mean over stratified points stays right.
     pub fn sample_at(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
+        self.sample_techniques(image, rng, &mut |path, weight, _| visit(path, weight));
+    }
+
+    /// As [`sample_at`](Self::sample_at), and shows t, the number of the path's vertices that the camera subpath made.
+    pub fn sample_techniques(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64, usize)) {
         self.with_subpaths(image, rng, |scratch, _| self.connect_all(scratch, visit));
     }
 
@@ -130,17 +135,17 @@ impl Bidirectional<'_> {
             let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
             self.trace_eye(image, &mut scratch.eye, eye);
             self.trace_light(scratch, light);
-            self.connect_all(scratch, visit);
+            self.connect_all(scratch, &mut |path, weight, _| visit(path, weight));
         });
     }
 
-    fn connect_all(&self, scratch: &mut Scratch, visit: &mut impl FnMut(&LightPath, f64)) {
+    fn connect_all(&self, scratch: &mut Scratch, visit: &mut impl FnMut(&LightPath, f64, usize)) {
         let (lights, eyes) = (scratch.light.len(), scratch.eye.len());
         for t in 1..=eyes {
             for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
                 let light_survival = if s == 0 { 1.0 } else { scratch.light.carried(s).survival };
                 if let Some(weight) = self.connect(scratch, s, t) {
-                    visit(&scratch.path, weight / (light_survival * scratch.eye.carried(t).survival));
+                    visit(&scratch.path, weight / (light_survival * scratch.eye.carried(t).survival), t);
                 }
             }
         }

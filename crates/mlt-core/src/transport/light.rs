@@ -70,6 +70,20 @@ impl Light {
         self.exitance() * self.area
     }
 
+    /// Its centre of mass.
+    pub fn centre(&self) -> Vec3 {
+        match &self.shape {
+            Shape::Parallelogram { origin, edges: [e, f], .. } => *origin + 0.5 * (*e + *f),
+            Shape::Triangles { cumulative, vertices, .. } => {
+                let weighted = |(i, [a, b, c]): (usize, &[Vec3; 3])| {
+                    let (low, high) = interval(cumulative, i);
+                    ((high - low) as f32 / 3.0) * (*a + *b + *c)
+                };
+                vertices.iter().enumerate().map(weighted).sum()
+            }
+        }
+    }
+
     /// Triangle and position at coordinates (u, v).
     pub(super) fn at(&self, u: f64, v: f64) -> (u32, Vec3) {
         match &self.shape {

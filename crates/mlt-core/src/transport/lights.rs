@@ -1,5 +1,6 @@
 //! All lights of a scene.
 
+use super::hilbert;
 use super::light::{Light, LightPoint};
 use super::material::Material;
 use super::mesh::Mesh;
@@ -75,7 +76,9 @@ impl Lights {
         };
         rest.retain(area);
         rest.sort_unstable();
-        let list: Vec<_> = rest.iter().map(|i| first + i).collect();
+        let centres: Vec<_> = rest.iter().map(|i| primitives[first + i].iter().sum::<Vec3>() / 3.0).collect();
+        // Any interval of the light's u is then a compact patch.
+        let list: Vec<_> = hilbert::order(&centres).into_iter().map(|i| first + rest[i as usize]).collect();
         if let Some(light) = Light::triangles(list.iter().map(|&p| (p as u32, primitives[p]))) {
             self.push(light, material, &list);
         }

@@ -1,13 +1,19 @@
 //! The renderer: scenes of triangles, bidirectional path tracing, path-space mutations.
 
 pub mod accel;
+pub mod adapt;
 pub mod bdpt;
+mod blur;
 pub mod bsdf;
 pub mod camera;
+pub mod classes;
 mod connect;
 pub mod description;
+mod hilbert;
+pub mod importance;
 pub mod independent;
 pub mod light;
+pub mod light_tree;
 pub mod lights;
 pub mod low_discrepancy;
 pub mod material;

@@ -1,26 +1,30 @@
 //! A whole render: a method, its settings, and what it counted.
 
+use super::adapt::{Adaptation, Adapted, Pilot, error_weights};
 use super::bdpt::{Bidirectional, MOST_EDGES};
+use super::classes::Classes;
+use super::importance::{PixelImportance, Target};
 use super::independent::{ImageSampler, Independent, SampleTally};
 use super::mutate::PathMutation;
-use super::path::{LightPath, Luminance, View};
+use super::path::{LightPath, View};
 use super::primary::{AllConnections, Multiplexed, Part};
 use super::pt::PathTracer;
 use super::region::LightRegion;
 use super::scene::rays_traced;
 use super::strata::{LightStrata, Stratification};
-use super::stratum::LightStratum;
+use super::stratum::{LightStratum, Variant};
 use crate::engine::{
     self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Path, Progress, Share, Splat, Stratum,
-    StratumStats, Tally,
+    StratumStats, Tally, shares_by_power,
 };
 use crate::primary::{PrimaryImportance, PrimaryMutation};
 use std::ops::{ControlFlow, Range};
 
 /// How the image is estimated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
     /// Stratified Metropolis light transport in path space.
+    #[default]
     Metropolis,
     /// Bidirectional path tracing.
     Bidirectional,
@@ -33,12 +37,20 @@ pub enum Method {
 }
 
 /// What decides the bits of a render, besides the scene and the camera.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
     /// How the image is estimated.
     pub method: Method,
     /// How the lights are cut, for Metropolis.
     pub stratification: Stratification,
+    /// How paths are cut besides, for Metropolis.
+    pub classes: Classes,
+    /// How a round is shared among the strata.
+    pub adaptation: Adaptation,
+    /// What strata restrict.
+    pub variant: Variant,
+    /// What chains sample in proportion to.
+    pub target: Target,
     /// Most edges of a path; `None`: no limit.
     pub max_edges: Option<usize>,
     /// Key of all random streams.
@@ -52,8 +64,12 @@ pub struct Settings {
 pub struct Counts {
     /// Independent samples of the image.
     pub samples: u64,
-    /// Rays traced.
+    /// Rays traced, those of the pilot not among them.
     pub rays: u64,
+    /// Mutations of the pilot, which are in no image.
+    pub pilot_mutations: u64,
+    /// Rays of the pilot.
+    pub pilot_rays: u64,
     /// Metropolis: one entry a stratum.
     pub strata: Vec<StratumStats>,
     /// Names of the mutations, in the order of every stratum's list.
@@ -71,34 +87,110 @@ impl Counts {
 pub type Observer<'a> = dyn FnMut(Progress, &Film<3>) -> ControlFlow<()> + 'a;
 
 /// Everything a render needs, set up once.
-pub struct Renderer<'a, I = Luminance> {
+pub struct Renderer<'a, I = PixelImportance> {
     view: View<'a>,
     settings: Settings,
     importance: I,
     strata: LightStrata,
+    shares: Vec<Share>,
     whole: LightRegion,
+    pilot: StratumStats,
 }
 
-/// Independent samples for b̂_j and the chains' starts: one for so many mutations.
-const MUTATIONS_A_SAMPLE: u64 = 32;
 /// Probability of a large step in primary sample space.
 const LARGE_STEPS: f64 = 0.3;
-/// Fewest of them in a stratum and round.
-const LEAST_SAMPLES: u64 = 64;
+/// Samples a pixel of the image that a relative importance is made from.
+const SAMPLES_OF_LEVEL: f64 = 4.0;
 
 impl<'a> Renderer<'a> {
-    /// A render with luminance as importance.
+    /// A render with an importance that its settings choose. The pilot, if they ask for one, runs here.
     pub fn new(view: View<'a>, settings: Settings) -> Self {
-        Self::with_importance(view, settings, Luminance)
+        let importance = match settings.target {
+            Target::Luminance => PixelImportance::default(),
+            Target::Relative => {
+                let method = Method::Bidirectional;
+                let max_edges = settings.max_edges;
+                let quick = Settings {
+                    method,
+                    max_edges,
+                    seed: settings.seed,
+                    per_pixel: SAMPLES_OF_LEVEL,
+                    ..Settings::default()
+                };
+                let (renderer, mut film) = (Self::new(view, quick), Film::new(view.camera.pixels(), 1.0));
+                let first = engine::PILOT;
+                renderer
+                    .render(first..first + 1, &mut film, &mut Counts::default(), &mut |_, _| ControlFlow::Continue(()));
+                let image: Vec<_> = (0..film.sites() as usize).map(|i| luminance_and_error(&film, i).0).collect();
+                PixelImportance::relative(&image, view.camera.size())
+            }
+        };
+        Self::with_importance(view, settings, importance)
     }
 }
 
 impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     /// A render with an importance of the caller's.
     pub fn with_importance(view: View<'a>, settings: Settings, importance: I) -> Self {
-        let strata = LightStrata::new(view.scene.lights(), settings.stratification);
-        let whole = LightRegion::whole(view.scene.lights());
-        Self { view, settings, importance, strata, whole }
+        let lights = view.scene.lights();
+        let strata = LightStrata::new(lights, Stratification::None);
+        let whole = LightRegion::whole(lights);
+        let (shares, pilot) = (Vec::new(), StratumStats::default());
+        let mut renderer = Self { view, settings, importance, strata, shares, whole, pilot };
+        match renderer.settings.method {
+            Method::Metropolis => renderer.adapt(),
+            Method::PrimaryBidirectional | Method::Multiplexed => {
+                renderer.strata = LightStrata::new(lights, renderer.settings.stratification);
+            }
+            Method::Bidirectional | Method::Path => {}
+        }
+        renderer
+    }
+
+    /// Chooses the strata and their shares.
+    fn adapt(&mut self) {
+        let mutations = self.settings.per_pixel * f64::from(self.view.camera.pixels());
+        let (view, max_edges, classes) = (self.view, self.max_edges(), self.settings.classes);
+        let pilot = Pilot {
+            lights: self.view.scene.lights(),
+            adaptation: self.settings.adaptation,
+            mutations,
+            classes: classes.count(max_edges),
+            by_power: &|strata, mutations| {
+                shares_by_power(&LightStratum::product(strata, view, max_edges, classes), mutations)
+            },
+            measure: &|strata, shares, rounds| {
+                let strata = LightStratum::product(strata, view, max_edges, classes);
+                let size = self.view.camera.size();
+                let mixture = Mixture::new(PathMutation::all(self.view));
+                let estimator = self.estimator(&strata, shares, &mixture);
+                estimator.pilot(self.view.camera.pixels(), rounds, &|image| error_weights(image, size))
+            },
+        };
+        let Adapted { strata, shares, tally } = pilot.run(self.settings.stratification);
+        (self.strata, self.shares, self.pilot) = (strata, shares, tally.total());
+        if self.settings.variant == Variant::MutationOnly {
+            self.shares = shares_by_power(&self.path_strata(&self.strata), mutations);
+        }
+    }
+
+    /// The strata of paths over parts of the lights.
+    fn path_strata<'s>(&'s self, strata: &'s LightStrata) -> Vec<LightStratum<'s>> {
+        let (view, max_edges) = (self.view, self.max_edges());
+        match self.settings.variant {
+            Variant::Stratified => LightStratum::product(strata, view, max_edges, self.settings.classes),
+            Variant::MutationOnly => vec![LightStratum::mutation_only(strata, &self.whole, view, max_edges)],
+        }
+    }
+
+    fn estimator<'s>(
+        &'s self,
+        strata: &'s [LightStratum<'s>],
+        shares: &'s [Share],
+        mixture: &'s Mixture<LightPath, LightStratum<'s>, PathMutation<'s>>,
+    ) -> Metropolis<'s, LightPath, LightStratum<'s>, PathMutation<'s>, I> {
+        let (seed, importance) = (self.settings.seed, &self.importance);
+        Metropolis { strata, shares, mixture, importance, seed, work: rays_traced }
     }
 
     /// A black film for this image.
@@ -118,17 +210,12 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let run = Run { rounds, film, counts, observe };
         match self.settings.method {
             Method::Metropolis => {
-                let strata = LightStratum::all(&self.strata, view, max_edges);
-                self.metropolis(&strata, PathMutation::all(view), &self.importance, run)
+                let strata = self.path_strata(&self.strata);
+                let mixture = Mixture::new(PathMutation::all(view));
+                self.metropolis(&self.estimator(&strata, &self.shares, &mixture), run)
             }
-            Method::PrimaryBidirectional => {
-                let strata = self.part().all(|part| AllConnections { part });
-                self.metropolis(&strata, PrimaryMutation::both(LARGE_STEPS), &PrimaryImportance, run)
-            }
-            Method::Multiplexed => {
-                let strata = self.part().all(|part| Multiplexed { part });
-                self.metropolis(&strata, PrimaryMutation::both(LARGE_STEPS), &PrimaryImportance, run)
-            }
+            Method::PrimaryBidirectional => self.primary(&self.part().all(|part| AllConnections { part }), run),
+            Method::Multiplexed => self.primary(&self.part().all(|part| Multiplexed { part }), run),
             Method::Bidirectional => self.independent(&Bidirectional { view, region: &self.whole, max_edges }, run),
             Method::Path => self.independent(&PathTracer { view, region: &self.whole, max_edges }, run),
         }
@@ -149,34 +236,38 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         }
     }
 
-    fn metropolis<P, S, M, J>(&self, strata: &[S], mutations: Vec<M>, importance: &J, run: Run) -> Outcome
+    /// Metropolis in primary sample space, with shares by power.
+    fn primary<P, S>(&self, strata: &[S], run: Run) -> Outcome
+    where
+        P: Path<Splat = Splat<3>> + Send,
+        S: Stratum<P> + Sync,
+        PrimaryMutation: Mutation<P, S> + Sync,
+        PrimaryImportance: Importance<P>,
+    {
+        let mutations = self.settings.per_pixel * f64::from(self.view.camera.pixels());
+        let shares = shares_by_power(strata, mutations);
+        let mixture = Mixture::new(PrimaryMutation::both(LARGE_STEPS));
+        let (seed, work) = (self.settings.seed, rays_traced);
+        let importance = &PrimaryImportance;
+        self.metropolis(&Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work }, run)
+    }
+
+    fn metropolis<P, S, M, J>(&self, estimator: &Metropolis<P, S, M, J>, run: Run) -> Outcome
     where
         P: Path<Splat = Splat<3>> + Send,
         S: Stratum<P> + Sync,
         M: Mutation<P, S> + Sync,
         J: Importance<P> + Sync,
     {
-        let shares = self.shares(strata.iter().map(Stratum::power).collect());
-        let mixture = Mixture::new(mutations);
-        let (seed, work) = (self.settings.seed, rays_traced);
-        let estimator = Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work };
         let counts = run.counts;
-        let mut tally = Tally { strata: std::mem::take(&mut counts.strata), work: counts.rays };
-        let outcome = repeat(&estimator, run.rounds, run.film, &mut tally, run.observe);
-        counts.mutations = mixture.mutations().iter().map(Mutation::<P, S>::name).collect();
-        (counts.strata, counts.rays) = (tally.strata, tally.work);
+        let mut tally = Tally { strata: std::mem::take(&mut counts.strata) };
+        let outcome = repeat(estimator, run.rounds, run.film, &mut tally, run.observe);
+        counts.mutations = estimator.mixture.mutations().iter().map(Mutation::<P, S>::name).collect();
+        counts.rays = tally.work();
+        counts.strata = tally.strata;
+        (counts.pilot_mutations, counts.pilot_rays) =
+            (self.pilot.steps(), self.pilot.chain_work + self.pilot.sample_work);
         outcome
-    }
-
-    /// n_j in proportion to power.
-    fn shares(&self, powers: Vec<f64>) -> Vec<Share> {
-        let round = self.settings.per_pixel * f64::from(self.view.camera.pixels());
-        let total: f64 = powers.iter().sum();
-        let share = |power: f64| {
-            let mutations = ((round * power / total).round() as u64).max(1);
-            Share { mutations, samples: (mutations / MUTATIONS_A_SAMPLE).max(LEAST_SAMPLES) }
-        };
-        powers.into_iter().map(share).collect()
     }
 
     fn independent<T: ImageSampler>(&self, sampler: &T, run: Run) -> Outcome {

@@ -1,32 +1,79 @@
-//! The strata of path space over the lights, as the engine sees them.
+//! The strata of path space, as the engine sees them.
 
 use super::bdpt::Bidirectional;
+use super::classes::{Classes, PathClass};
+use super::light::LightPoint;
 use super::path::{LightPath, View};
 use super::region::LightRegion;
 use super::strata::LightStrata;
-use crate::engine::Stratum;
+use crate::engine::{Stratum, uniform_f32};
+use glam::Vec2;
 use rand_pcg::rand_core::Rng;
 
-/// Ω_j: the paths that start in part j of the lights and have no more than a given number of edges.
+/// What a stratum restricts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Variant {
+    /// The importance and the bidirectional mutation: I_j is 0 outside Ω_j.
+    #[default]
+    Stratified,
+    /// The bidirectional mutation alone: one chain space Ω, in which the light end is drawn again on the part of the lights
+    /// that the current path starts on.
+    ///
+    /// Source: [Jankauski15], section 6.1.
+    MutationOnly,
+}
+
+/// Ω_j: the paths of one class that start in part j of the lights; with [`Variant::MutationOnly`] all of them.
 ///
 /// Source: [Jankauski15], section 4.1.
 #[derive(Clone, Copy)]
 pub struct LightStratum<'a> {
     strata: &'a LightStrata,
-    index: u32,
+    /// `None`: the stratum restricts no light.
+    index: Option<u32>,
+    class: PathClass,
     sampler: Bidirectional<'a>,
 }
 
 impl<'a> LightStratum<'a> {
-    /// All strata of a view, in the order of their parts.
+    /// All strata over the lights of a view, in the order of their parts.
     pub fn all(strata: &'a LightStrata, view: View<'a>, max_edges: usize) -> Vec<Self> {
-        let of = |(index, region)| Self { strata, index, sampler: Bidirectional { view, region, max_edges } };
-        (0..).zip(strata.regions()).map(of).collect()
+        Self::product(strata, view, max_edges, Classes::default())
+    }
+
+    /// The products of the lights' parts and of classes.
+    pub fn product(strata: &'a LightStrata, view: View<'a>, max_edges: usize, classes: Classes) -> Vec<Self> {
+        let classes = classes.all(max_edges);
+        let of = |(index, region), class: PathClass| {
+            let sampler = Bidirectional { view, region, max_edges: class.edges[1] };
+            Self { strata, index: Some(index), class, sampler }
+        };
+        (0..).zip(strata.regions()).flat_map(|part| classes.iter().map(move |&class| of(part, class))).collect()
+    }
+
+    /// All paths in one stratum whose chains change the light end within the parts of `strata`. `whole`: all lights.
+    pub fn mutation_only(strata: &'a LightStrata, whole: &'a LightRegion, view: View<'a>, max_edges: usize) -> Self {
+        let class = PathClass { edges: [1, max_edges], low: Vec2::ZERO, high: Vec2::ONE };
+        Self { strata, index: None, class, sampler: Bidirectional { view, region: whole, max_edges } }
     }
 
     /// Where x_0 is drawn.
     pub fn region(&self) -> &'a LightRegion {
         self.sampler.region
+    }
+
+    /// Where the light end of a path that starts at `point` is drawn again.
+    pub fn region_at(&self, point: &LightPoint) -> &'a LightRegion {
+        match self.index {
+            Some(_) => self.sampler.region,
+            None => &self.strata.regions()[self.strata.index(point) as usize],
+        }
+    }
+
+    /// Whether [`region_at`](Self::region_at) is the same for both points, for points of this stratum.
+    #[inline]
+    pub fn same_region(&self, a: &LightPoint, b: &LightPoint) -> bool {
+        self.index.is_some() || self.strata.index(a) == self.strata.index(b)
     }
 
     /// Most edges of a path.
@@ -38,18 +85,23 @@ impl<'a> LightStratum<'a> {
 impl Stratum<LightPath> for LightStratum<'_> {
     #[inline]
     fn contains(&self, path: &LightPath) -> bool {
-        self.strata.index(path.light()) == self.index && path.edges() <= self.sampler.max_edges
+        self.index.is_none_or(|index| self.strata.index(path.light()) == index) && self.class.contains(path)
     }
 
+    /// The camera subpath passes the class's part of the image, which makes its density that of a uniform point over the
+    /// part's area; a light subpath that is connected to the camera itself may cross the image anywhere.
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
-        self.sampler.sample(rng, &mut |path, weight| {
+        let PathClass { low, high, .. } = self.class;
+        let image = low + (high - low) * Vec2::new(uniform_f32(rng), uniform_f32(rng));
+        let area = self.class.area();
+        self.sampler.sample_techniques(image, rng, &mut |path, weight, t| {
             if self.contains(path) {
-                visit(path, weight);
+                visit(path, if t > 1 { weight * area } else { weight });
             }
         });
     }
 
     fn power(&self) -> f64 {
-        self.sampler.region.power()
+        self.sampler.region.power() * self.class.area()
     }
 }

@@ -60,7 +60,8 @@ impl BidirectionalMutation<'_> {
         let edit = Edit::draw(current.vertices.len(), within.max_edges(), rng)?;
         let split = edit.draw_split(rng);
         edit.copy_kept(current, proposal);
-        self.trace(proposal, &edit, split, within.region(), rng)?;
+        let region = within.region_at(&current.light);
+        self.trace(proposal, &edit, split, region, rng)?;
         Some(edit.ratio(current, proposal, within))
     }
 
@@ -110,12 +111,14 @@ impl Edit {
 
     /// T(y→x | s, t) / T(x→y | s, t) of an edit that turns x = `current` into y = `proposal`.
     fn ratio(&self, current: &LightPath, proposal: &LightPath, within: &LightStratum) -> f64 {
-        self.undo().transition(proposal, current, within) / self.transition(current, proposal, within)
-    }
-
-    /// T(x→y | s, t).
-    fn transition(&self, from: &LightPath, to: &LightPath, within: &LightStratum) -> f64 {
-        self.probability(from.vertices.len(), within.max_edges()) * self.density(&to.vertices, within.region().power())
+        // A light end that was drawn afresh lies in the region; one in another region was hit by chance alone, and that is
+        // the only way back, too: all densities that start on the region are zero.
+        let same = within.same_region(&current.light, &proposal.light);
+        let power = if same { within.region_at(&current.light).power() } else { f64::INFINITY };
+        let transition = |edit: &Self, from: &LightPath, to: &LightPath| {
+            edit.probability(from.vertices.len(), within.max_edges()) * edit.density(&to.vertices, power)
+        };
+        transition(&self.undo(), proposal, current) / transition(self, current, proposal)
     }
 
     /// P(d | n) / (n − d) · P(a | d).

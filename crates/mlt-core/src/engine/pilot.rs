@@ -1,0 +1,270 @@
+//! Pilot rounds: what each stratum contributes, how noisy it is, and what that costs.
+
+use super::{
+    Deposits, Estimator, Importance, Metropolis, Mutation, Path, Splat, Stratum, StratumStats, Tally,
+    metropolis::Prepared,
+};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Number of the first pilot round: pilot and production rounds share no random numbers.
+pub const PILOT: u64 = 1 << 55;
+
+/// What pilot rounds tell about one stratum.
+///
+/// With n mutations and m independent samples in a round, the stratum leaves the error
+/// Σ_p w_p Var(X_jp) ≈ chain_error / n + sample_error / m in the image, w being weights of the sites, and costs
+/// n · mutation_cost + m · sample_cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measure {
+    /// b_j.
+    pub b: f64,
+    /// Standard error of `b`.
+    pub b_stderr: f64,
+    /// b_j² σ_j² τ_j: n Σ_p w_p Var over rounds, from the chains' visits alone; `None` if fewer than two rounds found light.
+    pub chain_error: Option<f64>,
+    /// Σ_p w_p μ_jp² times the variance of one sample's weight over b_j², μ_jp the stratum's image.
+    pub sample_error: f64,
+    /// Work of a mutation.
+    pub mutation_cost: f64,
+    /// Work of an independent sample.
+    pub sample_cost: f64,
+}
+
+/// Visits of a stratum's chains in one round to one site, as a share of all: deposits over b̂_j.
+struct Visits {
+    site: u32,
+    round: u64,
+    share: f64,
+}
+
+/// Mean and variance over rounds at one site.
+struct Moments {
+    site: u32,
+    mean: f64,
+    variance: f64,
+}
+
+impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
+    /// Runs rounds that go into no image, and measures. `weigh` makes the weights w from the image (sums over channels)
+    /// of these rounds.
+    pub fn pilot<const C: usize>(
+        &self,
+        sites: u32,
+        rounds: Range<u64>,
+        weigh: &dyn Fn(&[f64]) -> Vec<f64>,
+    ) -> (Vec<Measure>, Tally)
+    where
+        P: Path<Splat = Splat<C>> + Send,
+        S: Stratum<P> + Sync,
+        M: Mutation<P, S> + Sync,
+        I: Importance<P> + Sync,
+        Self: Estimator<C, Prepared = Prepared, Tally = Tally>,
+    {
+        let (mut tally, mut visits) = (Tally::default(), Vec::new());
+        visits.resize_with(self.strata.len(), Vec::new);
+        let count = rounds.end.saturating_sub(rounds.start);
+        for round in rounds {
+            let prepared = self.prepare(round);
+            let run = |task| {
+                let mut deposits = Deposits::new(sites, 31);
+                (self.run(&prepared, task, &mut deposits), deposits.sums())
+            };
+            let (tallies, sums): (Vec<_>, Vec<_>) =
+                (0..self.tasks(&prepared)).into_par_iter().map(run).collect::<Vec<_>>().into_iter().unzip();
+            for (task, sums) in sums.into_iter().enumerate() {
+                let (stratum, b) = prepared.chain(task);
+                visits[stratum].extend(sums.into_iter().map(|(site, sum)| Visits { site, round, share: sum / b }));
+            }
+            self.tally(&mut tally, prepared, tallies);
+        }
+        let lit_rounds = |stats: &StratumStats| count - stats.dark_rounds;
+        let moments: Vec<_> = (visits.into_par_iter().zip(&tally.strata))
+            .map(|(visits, stats)| moments(visits, lit_rounds(stats)))
+            .collect();
+        let mut image = vec![0.0; sites as usize];
+        for (stats, moments) in tally.strata.iter().zip(&moments) {
+            moments.iter().for_each(|m| image[m.site as usize] += stats.b() * m.mean);
+        }
+        let weights = weigh(&image);
+        let measures = (self.shares.iter().zip(&tally.strata).zip(&moments))
+            .map(|((share, stats), moments)| measure(share.mutations, stats, moments, lit_rounds(stats), &weights))
+            .collect();
+        (measures, tally)
+    }
+}
+
+fn moments(mut visits: Vec<Visits>, rounds: u64) -> Vec<Moments> {
+    visits.sort_by_key(|v| (v.site, v.round));
+    let at_site = |visits: &[Visits]| {
+        let in_round = visits.chunk_by(|a, b| a.round == b.round).map(|v| v.iter().map(|v| v.share).sum::<f64>());
+        let (sum, squares) = in_round.fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
+        let mean = sum / rounds as f64;
+        let variance = (squares - sum * mean).max(0.0) / (rounds as f64 - 1.0).max(1.0);
+        Moments { site: visits[0].site, mean, variance }
+    };
+    visits.chunk_by(|a, b| a.site == b.site).map(at_site).collect()
+}
+
+fn measure(mutations: u64, stats: &StratumStats, moments: &[Moments], rounds: u64, weights: &[f64]) -> Measure {
+    let b = stats.b();
+    let weighted =
+        |value: fn(&Moments) -> f64| -> f64 { moments.iter().map(|m| weights[m.site as usize] * value(m)).sum() };
+    let variance = weighted(|m| m.variance);
+    // The noise of the means is in their squares too.
+    let square = (weighted(|m| m.mean * m.mean) - variance / rounds.max(1) as f64).max(0.0);
+    let each = |work: u64, count: u64| work as f64 / count.max(1) as f64;
+    Measure {
+        b,
+        b_stderr: stats.b_stderr(),
+        chain_error: (rounds > 1).then_some(b * b * variance * mutations as f64),
+        sample_error: square * stats.weight_variance(),
+        mutation_cost: each(stats.chain_work, stats.steps()),
+        sample_cost: each(stats.sample_work, stats.samples),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Film, Mixture, Share, allocate, render, shares_by_power, uniform};
+    use rand_pcg::rand_core::Rng;
+    use std::ops::ControlFlow;
+
+    /// x in [0, 1), in one of four strata; it lights one of 16 sites with I(x), which is 0 in the second stratum.
+    #[derive(Clone)]
+    struct Point(f64);
+
+    const BRIGHT: [f64; 4] = [0.01, 0.0, 1.0, 0.3];
+
+    fn importance(x: &Point) -> f64 {
+        BRIGHT[(4.0 * x.0) as usize] * (1.0 + (10.0 * x.0).sin().powi(2))
+    }
+
+    impl Path for Point {
+        type Splat = Splat<1>;
+
+        fn splats(&self) -> impl Iterator<Item = Splat<1>> {
+            std::iter::once(Splat { site: (16.0 * self.0) as u32, value: [importance(self)] })
+        }
+    }
+
+    /// A quarter of [0, 1). `exaggerated`: a factor of its samples' weights that has no business there.
+    struct Quarter {
+        index: u32,
+        power: f64,
+        exaggerated: f64,
+    }
+
+    impl Stratum<Point> for Quarter {
+        fn contains(&self, x: &Point) -> bool {
+            (4.0 * x.0) as u32 == self.index
+        }
+
+        fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&Point, f64)) {
+            visit(&Point(0.25 * (f64::from(self.index) + uniform(rng))), 0.25 * self.exaggerated);
+        }
+
+        fn power(&self) -> f64 {
+            self.power
+        }
+    }
+
+    struct Step;
+
+    impl Mutation<Point, Quarter> for Step {
+        fn name(&self) -> &'static str {
+            "step"
+        }
+
+        fn propose(&self, current: &Point, proposal: &mut Point, _: &Quarter, rng: &mut impl Rng) -> Option<f64> {
+            proposal.0 = (current.0 + 0.1 * (uniform(rng) - 0.5)).rem_euclid(1.0);
+            Some(1.0)
+        }
+    }
+
+    const MUTATIONS: f64 = 20_000.0;
+
+    fn strata(exaggerated: [f64; 4]) -> Vec<Quarter> {
+        // By power, the darkest strata look the brightest.
+        let quarter = |(index, (power, exaggerated))| Quarter { index, power, exaggerated };
+        (0..).zip([30.0, 60.0, 1.0, 1.0].into_iter().zip(exaggerated)).map(quarter).collect()
+    }
+
+    fn with_estimator<T>(
+        strata: &[Quarter],
+        shares: &[Share],
+        run: impl FnOnce(&Metropolis<Point, Quarter, Step, fn(&Point) -> f64>) -> T,
+    ) -> T {
+        let (mixture, importance) = (Mixture::new(vec![Step]), importance as fn(&Point) -> f64);
+        run(&Metropolis { strata, shares, mixture: &mixture, importance: &importance, seed: 5, work: || 0 })
+    }
+
+    fn measured(rounds: u64) -> (Vec<Measure>, Vec<Share>) {
+        let strata = strata([1.0; 4]);
+        let shares = shares_by_power(&strata, MUTATIONS);
+        let weigh = |image: &[f64]| vec![1.0; image.len()];
+        let (measures, _) = with_estimator(&strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
+        let fitted = allocate(&measures, &shares, MUTATIONS);
+        (measures, fitted)
+    }
+
+    /// Means and standard errors of the sites after many rounds with the given shares.
+    fn image(exaggerated: [f64; 4], shares: &[Share]) -> Vec<(f64, f64)> {
+        let mut film = Film::<1>::new(16, 0.1);
+        with_estimator(&strata(exaggerated), shares, |e| {
+            render(e, 0..200, &mut film, &mut Tally::default(), &mut |_, _, _| ControlFlow::Continue(()))
+        });
+        (0..16).map(|i| film.pixel(i)[0]).map(|p| (p.mean, p.stderr)).collect()
+    }
+
+    fn exact(site: usize) -> f64 {
+        let at = |i: u32| (site as f64 + (f64::from(i) + 0.5) / 1000.0) / 16.0;
+        (0..1000).map(|i| importance(&Point(at(i))) / 16_000.0).sum()
+    }
+
+    fn worst_z(image: &[(f64, f64)]) -> f64 {
+        let z = |(i, &(mean, error)): (usize, &(f64, f64))| (mean - exact(i)).abs() / error.max(1e-12);
+        image.iter().enumerate().map(z).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn fitted_shares_keep_the_mean_and_lower_the_noise() {
+        let (measures, fitted) = measured(8);
+        for (j, m) in measures.iter().enumerate() {
+            let b: f64 = (4 * j..4 * j + 4).map(exact).sum();
+            assert!((m.b - b).abs() < 5.0 * m.b_stderr + 1e-12, "{m:?}");
+        }
+        assert!(fitted[2].mutations > fitted[3].mutations && fitted[3].mutations > fitted[0].mutations, "{fitted:?}");
+        let (by_power, adapted) =
+            (image([1.0; 4], &shares_by_power(&strata([1.0; 4]), MUTATIONS)), image([1.0; 4], &fitted));
+        assert!(worst_z(&by_power) < 4.0 && worst_z(&adapted) < 4.0);
+        let noise = |image: &[(f64, f64)]| image.iter().map(|(_, error)| error * error).sum::<f64>();
+        assert!(noise(&adapted) < 0.1 * noise(&by_power), "{} and {}", noise(&adapted), noise(&by_power));
+    }
+
+    /// The negative control: a stratum's deposits over N/K, the mean of n_j, in place of n_j.
+    #[test]
+    fn shares_that_are_not_divided_out_are_found() {
+        let (_, fitted) = measured(8);
+        let mean = fitted.iter().map(|s| s.mutations as f64).sum::<f64>() / 4.0;
+        let wrong = std::array::from_fn(|j| fitted[j].mutations as f64 / mean);
+        assert!(worst_z(&image(wrong, &fitted)) > 20.0);
+    }
+
+    /// chain_error / n predicts the variance that a round with n mutations has.
+    #[test]
+    fn the_predicted_noise_is_the_noise() {
+        let (measures, _) = measured(64);
+        let shares = shares_by_power(&strata([1.0; 4]), MUTATIONS);
+        let rendered = image([1.0; 4], &shares);
+        for j in [0, 2, 3] {
+            let Share { mutations: n, samples: m } = shares[j];
+            let chain = measures[j].chain_error.expect("measured") / n as f64;
+            let variance = chain + measures[j].sample_error / m as f64;
+            let seen: f64 = rendered[4 * j..4 * j + 4].iter().map(|(_, error)| 200.0 * error * error).sum();
+            assert!((seen / variance - 1.0).abs() < 0.5, "stratum {j}: {seen:e} against {variance:e}");
+        }
+        assert_eq!((measures[1].b, measures[1].chain_error), (0.0, None));
+    }
+}

@@ -1,0 +1,155 @@
+//! The pilot of a render: strata and their shares, fitted to what they contribute.
+
+use super::importance::smooth;
+use super::light_tree::{LightTree, Node};
+use super::lights::Lights;
+use super::strata::{LightStrata, Stratification};
+use crate::engine::{LEAST_CHAIN, Measure, PILOT, Share, Tally, allocate};
+use std::ops::Range;
+
+/// How n_j is chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weights {
+    /// In proportion to power.
+    #[default]
+    Power,
+    /// From the noise and cost that pilot rounds measure.
+    Adaptive,
+}
+
+/// What the pilot does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Adaptation {
+    /// How n_j is chosen.
+    pub weights: Weights,
+    /// Rounds of each measurement; at least 2.
+    pub pilot_rounds: u64,
+}
+
+impl Default for Adaptation {
+    fn default() -> Self {
+        Self { weights: Weights::Power, pilot_rounds: 4 }
+    }
+}
+
+/// Most mutations of a pilot round: it has to find light, not to make an image.
+const MOST_PILOT: f64 = 262_144.0;
+/// Strata that `auto` starts from.
+const COARSE: usize = 8;
+/// Most strata of `auto`.
+const FINE: usize = 64;
+/// Measurements, each of which may double the strata.
+const LEVELS: u64 = 4;
+/// Mutations of an average stratum in a round, so that `auto` does not cut any finer.
+const MUTATIONS_A_STRATUM: f64 = 8.0 * LEAST_CHAIN as f64;
+
+/// Runs pilot rounds of given strata with given shares.
+pub(super) type Measurement<'a> = dyn Fn(&LightStrata, &[Share], Range<u64>) -> (Vec<Measure>, Tally) + 'a;
+
+/// What a pilot is made of: the settings, and a way to measure given strata with given shares.
+pub(super) struct Pilot<'a> {
+    pub(super) lights: &'a Lights,
+    pub(super) adaptation: Adaptation,
+    /// Mutations of a production round.
+    pub(super) mutations: f64,
+    /// Classes that each part of the lights is cut into.
+    pub(super) classes: usize,
+    /// n_j by power for so many mutations.
+    pub(super) by_power: &'a dyn Fn(&LightStrata, f64) -> Vec<Share>,
+    /// Runs pilot rounds.
+    pub(super) measure: &'a Measurement<'a>,
+}
+
+/// What a render is to use.
+pub(super) struct Adapted {
+    pub(super) strata: LightStrata,
+    pub(super) shares: Vec<Share>,
+    /// What the pilot spent.
+    pub(super) tally: Tally,
+}
+
+impl Pilot<'_> {
+    /// The strata asked for, with shares by power or fitted.
+    pub(super) fn run(&self, stratification: Stratification) -> Adapted {
+        let mut tally = Tally::default();
+        let strata = match stratification {
+            Stratification::Auto => self.refine(&mut tally),
+            _ => LightStrata::with_least_share(self.lights, stratification, self.least_share()),
+        };
+        let by_power = (self.by_power)(&strata, self.mutations);
+        if self.adaptation.weights == Weights::Power {
+            return Adapted { strata, shares: by_power, tally };
+        }
+        let measures = self.measure(&strata, LEVELS, &mut tally);
+        let shares = allocate(&measures, &by_power, self.mutations);
+        Adapted { strata, shares, tally }
+    }
+
+    fn least_share(&self) -> f64 {
+        (LEAST_CHAIN as f64 * self.classes as f64 / self.mutations).min(1.0)
+    }
+
+    /// Starts from a coarse cut by power; in each measurement halves the nodes that leave more than an average node's
+    /// error at the best allocation, √(chain_error · cost), as long as there is room.
+    fn refine(&self, tally: &mut Tally) -> LightStrata {
+        let tree = LightTree::new(self.lights);
+        let least = self.least_share() * self.lights.power();
+        let room = (self.mutations / self.classes as f64 / MUTATIONS_A_STRATUM) as usize;
+        let most = room.clamp(1, FINE);
+        let mut nodes = tree.cut(COARSE.min(most), least);
+        for level in 0..LEVELS {
+            let strata = LightStrata::of_cut(self.lights, &tree, &nodes, 0.0);
+            if nodes.len() >= most {
+                break;
+            }
+            let measures = self.measure(&strata, level, tally);
+            let errors: Vec<_> = measures.chunks(self.classes).map(|m| m.iter().map(error).sum::<f64>()).collect();
+            let before = nodes.len();
+            nodes = split(&tree, nodes, &errors, most);
+            if nodes.len() == before {
+                break;
+            }
+        }
+        LightStrata::of_cut(self.lights, &tree, &nodes, 0.0)
+    }
+
+    fn measure(&self, strata: &LightStrata, level: u64, tally: &mut Tally) -> Vec<Measure> {
+        let mut shares = (self.by_power)(strata, self.mutations.min(MOST_PILOT));
+        for share in &mut shares {
+            share.mutations = share.mutations.max(LEAST_CHAIN);
+            share.samples = share.samples.max(share.mutations / 8);
+        }
+        let first = PILOT + (level << 32);
+        let rounds = first..first + self.adaptation.pilot_rounds.max(2);
+        let (measures, spent) = (self.measure)(strata, &shares, rounds);
+        tally.strata.extend(spent.strata);
+        measures
+    }
+}
+
+/// A stratum's part of what an image of given noise costs.
+fn error(m: &Measure) -> f64 {
+    (m.chain_error.unwrap_or(0.0) * m.mutation_cost).sqrt()
+}
+
+/// Halves the nodes with more than their average of `errors`, the worst first, up to `most` nodes.
+fn split(tree: &LightTree, nodes: Vec<Node>, errors: &[f64], most: usize) -> Vec<Node> {
+    let average = errors.iter().sum::<f64>() / errors.len() as f64;
+    let mut by_error: Vec<_> = (0..nodes.len()).filter(|&i| errors[i] > average).collect();
+    by_error.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
+    by_error.truncate(most - nodes.len());
+    let halves = |(i, node): (usize, Node)| match tree.halves(node).filter(|_| by_error.contains(&i)) {
+        Some(halves) => halves.to_vec(),
+        None => vec![node],
+    };
+    nodes.into_iter().enumerate().flat_map(halves).collect()
+}
+
+/// Weights of the error's squares: 1/(a² + (mean/10)²), a the image without its noise. It is relMSE, in units of the
+/// image's mean.
+pub(super) fn error_weights(image: &[f64], size: [u32; 2]) -> Vec<f64> {
+    let mean = image.iter().sum::<f64>() / image.len() as f64;
+    let floor = (0.1 * mean).powi(2);
+    let weight = |a: f64| if floor > 0.0 { 1.0 / (a * a + floor) } else { 0.0 };
+    smooth(image, size).into_iter().map(weight).collect()
+}

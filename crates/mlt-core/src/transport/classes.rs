@@ -1,0 +1,95 @@
+//! Strata of path space that have nothing to do with lights: path lengths and tiles of the image.
+
+use super::path::LightPath;
+use glam::Vec2;
+
+/// Which classes path space is cut into, besides the lights' parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Classes {
+    /// By the number of edges: 1–2, 3–4, 5–8, 9–16 and more.
+    pub lengths: bool,
+    /// Columns and rows of tiles.
+    pub tiles: [u32; 2],
+}
+
+impl Default for Classes {
+    /// One class.
+    fn default() -> Self {
+        Self { lengths: false, tiles: [1, 1] }
+    }
+}
+
+/// Paths of some numbers of edges that cross a rectangle of the image: one class, or a product of two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathClass {
+    /// Fewest and most edges.
+    pub edges: [usize; 2],
+    /// Corner of the rectangle with the smallest coordinates, in [0, 1]².
+    pub low: Vec2,
+    /// The opposite corner, which belongs to the next rectangle.
+    pub high: Vec2,
+}
+
+impl Classes {
+    /// Number of classes.
+    pub fn count(&self, max_edges: usize) -> usize {
+        self.edges(max_edges).len() * (self.tiles[0].max(1) * self.tiles[1].max(1)) as usize
+    }
+
+    /// All classes: a partition of the paths of at most `max_edges` edges.
+    pub fn all(&self, max_edges: usize) -> Vec<PathClass> {
+        let [columns, rows] = self.tiles.map(|n| n.max(1));
+        let size = Vec2::new(columns as f32, rows as f32);
+        let corners = (0..rows).flat_map(|y| (0..columns).map(move |x| Vec2::new(x as f32, y as f32)));
+        let tiles: Vec<_> = corners.map(|corner| (corner / size, (corner + Vec2::ONE) / size)).collect();
+        let with = |edges| tiles.iter().map(move |&(low, high)| PathClass { edges, low, high });
+        self.edges(max_edges).into_iter().flat_map(with).collect()
+    }
+
+    fn edges(&self, max_edges: usize) -> Vec<[usize; 2]> {
+        if !self.lengths {
+            return vec![[1, max_edges]];
+        }
+        let classes = [[1, 2], [3, 4], [5, 8], [9, 16], [17, max_edges]];
+        classes.into_iter().map(|[least, most]| [least, most.min(max_edges)]).filter(|[l, m]| l <= m).collect()
+    }
+}
+
+impl PathClass {
+    /// Whether the path belongs to it.
+    #[inline]
+    pub fn contains(&self, path: &LightPath) -> bool {
+        let inside = path.image.cmpge(self.low).all() && path.image.cmplt(self.high).all();
+        inside && (self.edges[0]..=self.edges[1]).contains(&path.edges())
+    }
+
+    /// Its part of the image.
+    pub fn area(&self) -> f64 {
+        let size = self.high - self.low;
+        f64::from(size.x) * f64::from(size.y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_are_a_partition() {
+        for (lengths, max_edges) in [(true, 1), (true, 2), (true, 3), (true, 7), (true, 1000), (false, 5)] {
+            let classes = Classes { lengths, tiles: [3, 2] };
+            let all = classes.all(max_edges);
+            assert_eq!(all.len(), classes.count(max_edges));
+            for edges in 1..=max_edges {
+                let area: f64 =
+                    all.iter().filter(|c| (c.edges[0]..=c.edges[1]).contains(&edges)).map(PathClass::area).sum();
+                assert!((area - 1.0).abs() < 1e-6, "{edges} of {max_edges}: {area}");
+            }
+            let rectangles: Vec<_> = all.iter().take(6).map(|c| (c.low, c.high)).collect();
+            for [x, y] in [[0.0, 0.0], [0.34, 0.49], [0.5, 0.5], [0.999, 0.999]] {
+                let p = Vec2::new(x, y);
+                assert_eq!(rectangles.iter().filter(|(l, h)| p.cmpge(*l).all() && p.cmplt(*h).all()).count(), 1);
+            }
+        }
+    }
+}
