@@ -83,4 +83,19 @@ mod tests {
         });
         found.assert_detected("without the densities");
     }
+    #[test]
+    fn a_ratio_without_the_probabilities_of_events_is_seen() {
+        let world = pond();
+        let events = |path: &LightPath| -> f64 {
+            let probability = |i: usize| {
+                let x = &path.vertices[i];
+                world.scene.event_probability(&x.vertex, x.to_eye, -path.vertices[i - 1].to_eye)
+            };
+            (first_diffuse(path, path.edges()) + 1..path.edges()).map(|i| f64::from(probability(i))).product()
+        };
+        let found = imbalance(&world, Stratification::None, 60_000, |x, y, _, rng| {
+            suited(&world, x)?.propose(x, y, rng).map(|ratio| ratio * events(x) / events(y))
+        });
+        found.assert_detected("without the probabilities of events");
+    }
 }

@@ -104,10 +104,11 @@ pub(crate) fn imbalance(world: &World, cut: Stratification, batches: u64, propos
     }
     total.retain(|_, flow| flow.batches >= LEAST_FLOWS);
     let z = |flow: &Flow| flow.sum.abs() / flow.squares.sqrt();
-    let worst = total.iter().max_by(|a, b| z(a.1).total_cmp(&z(b.1)));
-    let limit = Normal::standard().inverse_cdf(1.0 - 0.5 * SIGNIFICANCE / total.len() as f64);
-    let (&pair, flow) = worst.expect("something flows");
-    Imbalance { z: z(flow), limit, pair, tests: total.len() }
+    let limit = Normal::standard().inverse_cdf(1.0 - 0.5 * SIGNIFICANCE / total.len().max(1) as f64);
+    let none = ((0, 0, 0), 0.0);
+    let (pair, z) =
+        total.iter().map(|(pair, flow)| (*pair, z(flow))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(none);
+    Imbalance { z, limit, pair, tests: total.len() }
 }
 
 /// Flows of one batch.

@@ -5,7 +5,9 @@ use super::super::mis;
 use super::super::path::{LightPath, PathVertex, set_edge};
 use super::super::region::LightRegion;
 use super::super::testing::{World, worlds};
-use crate::engine::{Purpose, generator};
+use crate::engine::{Purpose, generator, uniform_f32};
+use glam::{DVec3, Vec2};
+use std::collections::BTreeMap;
 
 /// Shows the connected paths of `samples` samples.
 fn visit_paths(world: &World, samples: u64, mut visit: impl FnMut(&LightPath, f64)) {
@@ -43,6 +45,35 @@ fn weights_of_all_techniques_of_a_path_sum_to_one() {
 fn cached_values_equal_recomputed_ones() {
     for (name, world) in worlds() {
         visit_paths(&world, 2000, |path, _| check_recomputed(name, path, &world));
+    }
+}
+
+/// Without paths, the same subpaths give every pixel the same.
+#[test]
+fn samples_for_the_image_are_those_of_paths() {
+    for (name, world) in worlds() {
+        let region = LightRegion::whole(world.scene.lights());
+        let sampler = Bidirectional { view: world.view(), region: &region, max_edges: 12 };
+        let mut lit = 0;
+        for i in 0..2000 {
+            let rng = || generator(8, Purpose::Sample, 0, 0, i);
+            let [mut paths, mut image] = [BTreeMap::new(), BTreeMap::new()];
+            sampler.sample(&mut rng(), &mut |path, weight| {
+                *paths.entry(path.pixel).or_insert(DVec3::ZERO) += path.contribution * weight;
+            });
+            let mut rng = rng();
+            let point = Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng));
+            sampler.sample_image(point, 0.0, &mut rng, &mut |pixel, value| {
+                *image.entry(pixel).or_insert(DVec3::ZERO) += value;
+            });
+            image.retain(|_, value| *value != DVec3::ZERO);
+            lit += image.len();
+            assert_eq!(paths.len(), image.len(), "{name}, sample {i}");
+            for ((p, a), (q, b)) in paths.iter().zip(&image) {
+                assert!(p == q && (a - b).length() < 1e-5 * a.length(), "{name}, sample {i}: {a} and {b} in {p}");
+            }
+        }
+        assert!(lit > 2000, "{name}: {lit}");
     }
 }
 
