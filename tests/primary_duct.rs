@@ -94,8 +94,7 @@ fn mean(film: &Film<3>) -> f64 {
 
 /// Mean luminance of the image over rounds, and its standard error.
 fn estimate(view: View, method: Method, max_edges: usize, per_pixel: f64, seed: u64) -> (f64, f64) {
-    let settings =
-        Settings { method, stratification: Stratification::None, max_edges: Some(max_edges), seed, per_pixel };
+    let settings = Settings { method, max_edges: Some(max_edges), seed, per_pixel, ..Settings::default() };
     let renderer = Renderer::new(view, settings);
     let round = |r: u64| {
         let mut film = renderer.film();
