@@ -5,42 +5,47 @@ use std::{
     time::Duration,
 };
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A progress bar on standard error; silent when that is no terminal or the user wants quiet.
 ///
 /// Gone from the screen when dropped, so that an error message stands alone.
-pub struct Progress(Option<ProgressBar>);
+pub struct Progress {
+    bar: Option<ProgressBar>,
+    unit: &'static str,
+}
 
 impl Progress {
-    /// `total`: when [`update`](Self::update)'s `done` is complete, in any unit; `None` when nobody knows beforehand.
-    pub fn new(total: Option<u64>, quiet: bool) -> Self {
+    /// `total`: [`update`](Self::update)'s `done` when all is done; `unit`: what the rate counts.
+    pub fn new(total: u64, unit: &'static str, quiet: bool) -> Self {
         if quiet || !stderr().is_terminal() {
-            return Self(None);
+            return Self { bar: None, unit };
         }
-        let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::stderr_with_hz(5));
-        let template = match total {
-            Some(_) => "{bar:30} {percent:>3} %  {msg}  {eta} left",
-            None => "{spinner}  {elapsed}  {msg}",
-        };
-        if let Ok(style) = ProgressStyle::with_template(template) {
+        let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr_with_hz(5));
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}") {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self(Some(bar))
+        Self { bar: Some(bar), unit }
     }
 
-    /// `rate`: mutations (or samples) per second; `error`: relative error so far, once there is one.
+    /// Whether anybody sees it.
+    pub fn is_shown(&self) -> bool {
+        self.bar.is_some()
+    }
+
+    /// `rate`: units per second; `error`: relative error so far, once there is one.
     pub fn update(&self, done: u64, rate: f64, error: Option<f64>) {
-        if let Some(bar) = &self.0 {
+        if let Some(bar) = &self.bar {
             bar.set_position(done);
-            bar.set_message(message(rate, error));
+            let left = (done > 0).then(|| bar.eta());
+            bar.set_message(message(left, &format!("{} {}/s", short(rate), self.unit), error));
         }
     }
 
     /// Takes the bar off the screen.
     pub fn finish(&self) {
-        if let Some(bar) = &self.0 {
+        if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }
@@ -52,19 +57,20 @@ impl Drop for Progress {
     }
 }
 
-fn message(rate: f64, error: Option<f64>) -> String {
-    let rate = per_second(rate);
-    error.map_or(rate.clone(), |error| format!("{rate}  error {:.2} %", error * 100.0))
+/// What is known, side by side.
+fn message(left: Option<Duration>, rate: &str, error: Option<f64>) -> String {
+    let left = left.map(|left| format!("{:#} left", HumanDuration(left)));
+    let error = error.map(|error| format!("error {:.2} %", error * 100.0));
+    [left, Some(rate.to_owned()), error].into_iter().flatten().collect::<Vec<_>>().join("  ")
 }
 
-/// A rate for reading: `1.23 M/s`.
-pub(crate) fn per_second(rate: f64) -> String {
-    let (divisor, unit) = match rate {
-        r if r >= 1e6 => (1e6, " M"),
-        r if r >= 1e3 => (1e3, " k"),
-        _ => (1.0, " "),
-    };
-    format!("{:.2}{unit}/s", rate / divisor).replace(" /s", "/s")
+/// A count for reading: `1.23 million`.
+pub(crate) fn short(count: f64) -> String {
+    match count {
+        n if n >= 1e9 => format!("{:.2} billion", n / 1e9),
+        n if n >= 1e6 => format!("{:.2} million", n / 1e6),
+        n => format!("{n:.0}"),
+    }
 }
 
 #[cfg(test)]
@@ -72,23 +78,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rates_are_short() {
-        assert_eq!(per_second(1_234_567.0), "1.23 M/s");
-        assert_eq!(per_second(2_500.0), "2.50 k/s");
-        assert_eq!(per_second(12.0), "12.00/s");
+    fn counts_are_short() {
+        assert_eq!(short(4_234_567_890.0), "4.23 billion");
+        assert_eq!(short(1_234_567.0), "1.23 million");
+        assert_eq!(short(12.0), "12");
     }
 
     #[test]
-    fn the_error_shows_once_there_is_one() {
-        assert_eq!(message(1e6, None), "1.00 M/s");
-        assert_eq!(message(1e6, Some(0.0213)), "1.00 M/s  error 2.13 %");
+    fn remaining_time_and_error_show_once_they_are_known() {
+        assert_eq!(message(None, "3 samples/s", None), "3 samples/s");
+        let left = Some(Duration::from_secs(12));
+        assert_eq!(message(left, "3 samples/s", Some(0.0213)), "12s left  3 samples/s  error 2.13 %");
     }
 
     #[test]
     fn quiet_progress_does_nothing() {
-        let progress = Progress::new(Some(10), true);
+        let progress = Progress::new(10, "samples", true);
         progress.update(3, 1.0, None);
         progress.finish();
-        assert!(progress.0.is_none());
+        assert!(!progress.is_shown());
     }
 }

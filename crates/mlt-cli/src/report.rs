@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fmt};
 
 use serde::Serialize;
 
-use crate::progress::per_second;
+use crate::progress::short;
 
 /// The report of `mlt render --json`, one object; [`Display`](fmt::Display) is the same for reading.
 #[derive(Clone, Debug, Serialize)]
@@ -92,12 +92,20 @@ pub struct StratumReport {
     pub mutations: u64,
 }
 
+/// A quantity of any size, for reading.
+fn number(x: f64) -> String {
+    if x == 0.0 || (1e-4..1e6).contains(&x) { format!("{x:.6}") } else { format!("{x:.3e}") }
+}
+
 /// Strata that the text lists; JSON has them all.
 const STRATA_SHOWN: usize = 16;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rate = |count: u64| per_second(count as f64 / self.seconds.max(f64::MIN_POSITIVE));
+        let with_rate = |count: u64| {
+            let count = count as f64;
+            format!("{} ({} per second)", short(count), short(count / self.seconds.max(f64::MIN_POSITIVE)))
+        };
         writeln!(
             f,
             "{}: {}, strata {}, {}x{}, seed {}",
@@ -105,20 +113,24 @@ impl fmt::Display for Report {
         )?;
         write!(f, "  time            {:.2} s, {} threads", self.seconds, self.threads)?;
         self.cpu_seconds.map_or(Ok(()), |cpu| write!(f, ", {cpu:.2} s of processor time"))?;
-        writeln!(f, "\n  rounds          {} from round {}", self.rounds, self.first_round)?;
-        if self.mutations > 0 {
-            writeln!(f, "  mutations       {} ({})", self.mutations, rate(self.mutations))?;
+        write!(f, "\n  rounds          {}", self.rounds)?;
+        if self.first_round > 0 {
+            write!(f, " from number {}", self.first_round)?;
         }
-        writeln!(f, "  samples         {}", self.samples)?;
-        writeln!(f, "  rays            {} ({})", self.rays, rate(self.rays))?;
+        writeln!(f)?;
+        if self.mutations > 0 {
+            writeln!(f, "  mutations       {}", with_rate(self.mutations))?;
+        }
+        writeln!(f, "  samples         {}", with_rate(self.samples))?;
+        writeln!(f, "  rays            {}", with_rate(self.rays))?;
         if self.pilot_rays > 0 {
             writeln!(f, "  pilot           {} mutations, {} rays", self.pilot_mutations, self.pilot_rays)?;
         }
         write!(f, "{}", self.acceptance)?;
-        writeln!(f, "  b               {:.6} ± {:.6}", self.b, self.b_stderr)?;
+        writeln!(f, "  b               {} ± {}", number(self.b), number(self.b_stderr))?;
         self.write_strata(f)?;
         if let Some(error) = self.relative_error {
-            writeln!(f, "  relative error  {:.2} %", error * 100.0)?;
+            writeln!(f, "  relative error  {:.2} %, estimated", error * 100.0)?;
         }
         self.outputs.iter().try_for_each(|output| writeln!(f, "  written         {output}"))
     }
@@ -131,7 +143,7 @@ impl Report {
         }
         for (j, stratum) in self.strata.iter().take(STRATA_SHOWN).enumerate() {
             let StratumReport { b, b_stderr, mutations } = stratum;
-            writeln!(f, "  stratum {j:<6}  b {b:.6} ± {b_stderr:.6}, {mutations} mutations")?;
+            writeln!(f, "  stratum {j:<6}  b {} ± {}, {mutations} mutations", number(*b), number(*b_stderr))?;
         }
         match self.strata.len().saturating_sub(STRATA_SHOWN) {
             0 => Ok(()),
@@ -228,12 +240,12 @@ mod tests {
         let text = report().to_string();
         for part in [
             "cornell: mlt, strata 4x5, 64x48, seed 7",
-            "mutations       3000000 (1.50 M/s)",
             "pilot           100000 mutations, 400000 rays",
+            "mutations       3.00 million (1.50 million per second)",
             "acceptance      25.0 %, bidirectional 25.0 %\n",
             "b               0.500000 ± 0.001000",
             "and 4 more strata",
-            "relative error  2.13 %",
+            "relative error  2.13 %, estimated",
             "written         a.exr",
         ] {
             assert!(text.contains(part), "{part} is not in:\n{text}");

@@ -1,11 +1,14 @@
 //! Options of `mlt render`.
 
-use std::{num::NonZeroUsize, path::PathBuf, time::Duration};
+use std::{ffi::OsStr, num::NonZeroUsize, path::PathBuf, time::Duration};
 
 use clap::{ArgGroup, Args, ValueEnum};
 
-use super::values::{Size, Strata, angle, duration, exposure, point, positive, relative_error};
-use crate::{Failure, output};
+use super::values::{Size, Strata, angle, duration, exposure, per_pixel, point, relative_error, threads};
+use crate::{
+    Failure,
+    output::{self, Format, OutputFile},
+};
 
 /// How light transport is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -27,6 +30,11 @@ impl Method {
     /// Whether it samples by chains of mutations; else by independent samples.
     pub fn mutates(self) -> bool {
         matches!(self, Self::Mlt | Self::Pssmlt | Self::Mmlt)
+    }
+
+    /// What it takes: `mutations` or `samples`.
+    pub fn unit(self) -> &'static str {
+        if self.mutates() { "mutations" } else { "samples" }
     }
 }
 
@@ -73,81 +81,100 @@ pub enum Budget {
     Error(f64),
 }
 
+/// Most rounds, and highest number of the first one.
+const MAX_ROUNDS: u64 = 1_000_000_000;
+
+const EXAMPLES: &str = "\
+Examples:
+  mlt render                                       the built-in Cornell box, as cornell.exr and cornell.png
+  mlt render room.glb --error 2% -o room.png       until the estimated error is 2 %
+  mlt render room.obj --camera-from 4,3,6 --camera-to 0,1,0 --fov 40
+  mlt render ring --strata 4x4 --time 1m           each light cut into 4x4 strata, for a minute
+
+Ctrl-C ends a render early and writes what it has; a second one ends it at once and writes nothing.
+Exit codes: 0 done, 1 failed, 2 wrong usage or a scene that cannot be read, 130 interrupted.";
+
 /// Options of `mlt render`.
 #[derive(Args, Clone, Debug, PartialEq)]
-#[command(allow_negative_numbers = true)]
+#[command(allow_negative_numbers = true, after_help = EXAMPLES)]
 #[command(group = ArgGroup::new("budget").args(["mutations_per_pixel", "samples_per_pixel", "time", "error"]))]
 pub struct RenderOptions {
-    /// A glTF or OBJ file, or the name of a built-in scene
+    /// A glTF or OBJ file, or the name of a built-in scene: cornell, ring or suzanne
     #[arg(default_value = "cornell")]
     pub scene: PathBuf,
-    /// Write to FILE, .exr (linear, float) or .png (sRGB); may be given several times
+    /// Write to FILE, .exr (linear, float) or .png (sRGB); may be given several times. SCENE.exr and SCENE.png in the
+    /// current folder if not given
     #[arg(short, long = "output", value_name = "FILE")]
-    pub outputs: Vec<output::OutputFile>,
+    pub outputs: Vec<OutputFile>,
 
     /// How light transport is computed
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub method: Method,
     /// Cut lights into strata: 'none', 'auto' (found by a pilot), a number of strata, or columns and rows of cells per
     /// light; add ',length' and ',tiles:NxM' to cut by path length and over the image as well
-    #[arg(long, value_name = "none|auto|COUNT|NxM", default_value_t)]
+    #[arg(long, value_name = "none|auto|COUNT|NxM", default_value_t, help_heading = "Method")]
     pub strata: Strata,
     /// How mutations are shared among strata
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub weights: Weights,
     /// Rounds of each measurement of the pilot, for adaptive weights and automatic strata
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(2..=64))]
+    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Method")]
+    #[arg(value_parser = clap::value_parser!(u64).range(2..=64))]
     pub rounds_pilot: u64,
     /// What strata restrict
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub variant: Variant,
     /// What chains sample in proportion to
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub importance: Importance,
     /// Longest path, in edges from light to lens; no limit if not given
-    #[arg(long, value_name = "EDGES", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "EDGES", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Method")]
     pub max_length: Option<u32>,
 
-    /// Stop after this many mutations per pixel
-    #[arg(long, value_name = "N", value_parser = positive)]
+    /// Stop after this many mutations per pixel (mlt, pssmlt, mmlt)
+    #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = "Budget")]
     pub mutations_per_pixel: Option<f64>,
-    /// Stop after this many independent samples per pixel
-    #[arg(long, value_name = "N", value_parser = positive)]
+    /// Stop after this many independent samples per pixel (bdpt, pt); other methods make as many mutations
+    #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = "Budget")]
     pub samples_per_pixel: Option<f64>,
     /// Stop after this time, such as 30s, 5m or 1h
-    #[arg(long, value_name = "TIME", value_parser = duration)]
+    #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Budget")]
     pub time: Option<Duration>,
-    /// Stop at this relative error, such as 2% or 0.02
-    #[arg(long, value_name = "ERROR", value_parser = relative_error)]
+    /// Stop when the estimated relative error is this, such as 2% or 0.02
+    #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = "Budget")]
     pub error: Option<f64>,
 
-    /// Rounds, which are independent renders of the whole image, averaged
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    /// Share the budget out to this many rounds: independent renders of the whole image, averaged. 16 or more if not given
+    #[arg(long, value_name = "N", help_heading = "Budget")]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=MAX_ROUNDS))]
     pub rounds: Option<u64>,
     /// Number of the first round, to split a render over machines
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "rounds")]
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "rounds", help_heading = "Budget")]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=MAX_ROUNDS))]
     pub first_round: u64,
     /// Seed of the random numbers: same seed, same image
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
     /// Threads; all processors if not given. The image does not depend on it
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
 
-    /// Size of the image in pixels
-    #[arg(long, value_name = "WxH")]
+    /// Size of the image in pixels; if not given, 512 along the longer side, of the camera's aspect ratio
+    #[arg(long, value_name = "WxH", help_heading = "Camera")]
     pub size: Option<Size>,
-    /// The scene's camera of this name; its first one if not given
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["camera_from", "camera_to", "fov"])]
+    /// The scene's camera of this name. Its first one if not given; a scene without any is framed whole
+    #[arg(long, value_name = "NAME", help_heading = "Camera", conflicts_with_all = ["camera_from", "camera_to", "fov"])]
     pub camera: Option<String>,
     /// Where the camera stands
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "camera_to")]
+    #[arg(help_heading = "Camera")]
     pub camera_from: Option<[f64; 3]>,
     /// The point that the camera looks at
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "camera_from")]
+    #[arg(help_heading = "Camera")]
     pub camera_to: Option<[f64; 3]>,
     /// The camera's full vertical opening angle
-    #[arg(long, value_name = "DEGREES", value_parser = angle)]
+    #[arg(long, value_name = "DEGREES", value_parser = angle, help_heading = "Camera")]
     pub fov: Option<f64>,
     /// Exposure of PNG files in stops: pixels times 2^EV
     #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0)]
@@ -173,6 +200,10 @@ impl RenderOptions {
     /// Finds what is wrong with the options together, and with the files to write, before anything is rendered.
     pub fn check(&self) -> Result<(), Failure> {
         let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
+        if self.mutations_per_pixel.is_some() && !self.method.mutates() {
+            let method = value_name(self.method);
+            return usage(format!("--mutations-per-pixel: {method} makes no mutations; use --samples-per-pixel"));
+        }
         if self.camera_from.is_some() && self.camera_from == self.camera_to {
             return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
         }
@@ -180,10 +211,29 @@ impl RenderOptions {
             if self.outputs[..index].contains(output) {
                 return usage(format!("{} is given twice", output.path.display()));
             }
-            output::check_target(&output.path).map_err(Failure::Usage)?;
         }
-        Ok(())
+        let check = |output: &OutputFile| output::check_target(&output.path).map_err(Failure::Usage);
+        self.targets().iter().try_for_each(check)
     }
+
+    /// The files asked for, or SCENE.exr and SCENE.png in the current folder.
+    pub fn targets(&self) -> Vec<OutputFile> {
+        if !self.outputs.is_empty() {
+            return self.outputs.clone();
+        }
+        let stem = self.scene.file_stem().map_or_else(|| "render".into(), OsStr::to_os_string);
+        let file = |extension: &str, format| {
+            let mut name = stem.clone();
+            name.push(extension);
+            OutputFile { path: name.into(), format }
+        };
+        vec![file(".exr", Format::Exr), file(".png", Format::Png)]
+    }
+}
+
+/// The value as it is written on the command line.
+pub fn value_name(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 #[cfg(test)]
@@ -284,5 +334,16 @@ mod tests {
         assert!(message("--camera-from 1,2,3 --camera-to 1,2,3").contains("no direction"));
         assert!(message("-o none/a.exr").contains("the folder none does not exist"));
         assert!(message("-o a.exr -o a.exr").contains("given twice"));
+        assert!(message("--method pt --mutations-per-pixel 8").ends_with("use --samples-per-pixel"));
+    }
+
+    #[test]
+    fn files_that_are_not_named_are_named_after_the_scene() {
+        let targets = |line: &str| -> Vec<PathBuf> {
+            parse(line).expect("valid").targets().into_iter().map(|output| output.path).collect()
+        };
+        assert_eq!(targets(""), ["cornell.exr", "cornell.png"].map(PathBuf::from));
+        assert_eq!(targets("some/room.v2.glb"), ["room.v2.exr", "room.v2.png"].map(PathBuf::from));
+        assert_eq!(targets("ring -o a.png"), ["a.png"].map(PathBuf::from));
     }
 }

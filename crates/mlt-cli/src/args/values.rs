@@ -1,6 +1,6 @@
 //! Values of options, from text.
 
-use std::{fmt, str::FromStr, time::Duration};
+use std::{fmt, num::NonZeroUsize, str::FromStr, time::Duration};
 
 use mlt_core::transport::{classes::Classes, strata::Stratification};
 
@@ -12,6 +12,9 @@ const MAX_CELLS: u32 = 1024;
 const MAX_STRATA: u32 = 65_536;
 /// Most tiles along one side of the image.
 const MAX_TILES: u32 = 64;
+
+/// Most threads; each takes memory for what it deposits.
+const MAX_THREADS: usize = 1024;
 
 /// Width and height of an image, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,6 +171,23 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Mutations or samples per pixel: greater than zero, and at most 10⁹, so that their number over all pixels can be
+/// counted.
+pub fn per_pixel(text: &str) -> Result<f64, String> {
+    match positive(text) {
+        Ok(number) if number <= 1e9 => Ok(number),
+        _ => Err("give a number greater than 0 and at most 1e9".into()),
+    }
+}
+
+/// A number of threads.
+pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    match text.parse::<NonZeroUsize>() {
+        Ok(number) if number.get() <= MAX_THREADS => Ok(number),
+        _ => Err(format!("give a number between 1 and {MAX_THREADS}")),
+    }
+}
+
 /// An exposure in stops, -100 to 100.
 pub fn exposure(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -262,8 +282,13 @@ mod tests {
             assert!(angle(bad).is_err(), "{bad}");
         }
         for bad in ["", "0", "-1", "nan", "inf", "x"] {
-            assert!(positive(bad).is_err(), "{bad}");
+            assert!(positive(bad).is_err() && per_pixel(bad).is_err(), "{bad}");
         }
+        for bad in ["", "0", "-1", "1.5", "1025", "x"] {
+            assert!(threads(bad).is_err(), "{bad}");
+        }
+        assert_eq!(threads("32").map(NonZeroUsize::get), Ok(32));
+        assert_eq!((per_pixel("0.5"), per_pixel("1.1e9").is_err()), (Ok(0.5), true));
         for bad in ["", "101", "nan", "x"] {
             assert!(exposure(bad).is_err(), "{bad}");
         }

@@ -1,7 +1,5 @@
 //! The image files of a render.
 
-use std::path::PathBuf;
-
 use mlt_core::engine::Film;
 
 use super::{Plan, Setup, session::Finished};
@@ -13,28 +11,27 @@ use crate::{
     report::Report,
 };
 
-/// Writes all files and names them in the report.
+/// Writes all files and names them in the report. One that cannot be written does not stop the others.
 pub fn write(options: &RenderOptions, setup: &Setup, finished: Finished) -> Result<Report, Failure> {
     let Finished { film, mut report, per_pixel } = finished;
     let (image, stderr) = develop(film, setup)?;
-    for output in targets(options, setup) {
-        report.outputs.push(output.path.display().to_string());
+    let attributes = attributes(options, &report, per_pixel);
+    let write = |output: &OutputFile| -> anyhow::Result<String> {
         let bytes = match output.format {
-            Format::Exr => exr::encode(&image, stderr.as_deref(), &attributes(options, &report, per_pixel))?,
+            Format::Exr => exr::encode(&image, stderr.as_deref(), &attributes)?,
             Format::Png => png::encode(&image, options.exposure)?,
         };
         atomic::write(&output.path, &bytes)?;
+        Ok(output.path.display().to_string())
+    };
+    let mut failure = None;
+    for output in options.targets() {
+        match write(&output) {
+            Ok(name) => report.outputs.push(name),
+            Err(error) => failure = failure.or(Some(error)),
+        }
     }
-    Ok(report)
-}
-
-/// The files asked for, or SCENE.exr and SCENE.png here.
-fn targets(options: &RenderOptions, setup: &Setup) -> Vec<OutputFile> {
-    if !options.outputs.is_empty() {
-        return options.outputs.clone();
-    }
-    let file = |extension: &str, format| OutputFile { path: PathBuf::from(setup.stem() + extension), format };
-    vec![file(".exr", Format::Exr), file(".png", Format::Png)]
+    failure.map_or(Ok(report), |error| Err(error.into()))
 }
 
 /// The image and its standard errors; `None` where one round tells nothing of them.
@@ -52,7 +49,7 @@ pub fn develop(mut film: Film<3>, setup: &Setup) -> anyhow::Result<(Image, Optio
 fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> Vec<(String, String)> {
     let mut command = vec![
         "mlt render".to_owned(),
-        report.scene.clone(),
+        shell_word(&report.scene),
         format!("--method {}", report.method),
         format!("--strata {} --weights {}", report.strata_option, report.weights),
         format!("--rounds-pilot {} --variant {}", report.rounds_pilot, report.variant),
@@ -62,7 +59,7 @@ fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> Vec<(
         format!("--size {}x{}", report.width, report.height),
     ];
     command.extend(options.max_length.map(|edges| format!("--max-length {edges}")));
-    command.extend(options.camera.as_ref().map(|name| format!("--camera {name}")));
+    command.extend(options.camera.as_ref().map(|name| format!("--camera={}", shell_word(name))));
     let point = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
     command.extend(options.camera_from.map(|from| format!("--camera-from {}", point(from))));
     command.extend(options.camera_to.map(|to| format!("--camera-to {}", point(to))));
@@ -88,4 +85,23 @@ fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> Vec<(
         text("relative_error", report.relative_error.map_or_else(|| "unknown".into(), |error| error.to_string())),
         text("warnings", report.warnings.join("\n")),
     ]
+}
+
+/// `text` as one word for a POSIX shell.
+fn shell_word(text: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "_-./:,+=@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) { text.into() } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shell_word;
+
+    #[test]
+    fn words_survive_the_shell() {
+        let words = [("a/b-1.glb", "a/b-1.glb"), ("", "''"), ("my room.glb", "'my room.glb'"), ("it's", r"'it'\''s'")];
+        for (text, word) in words {
+            assert_eq!(shell_word(text), word);
+        }
+    }
 }

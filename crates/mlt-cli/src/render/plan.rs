@@ -10,6 +10,8 @@ const ROUNDS: u64 = 16;
 const TIMED_ROUNDS: f64 = 24.0;
 /// Fewest rounds whose spread is trusted to end a render.
 pub(crate) const TRUSTED_ROUNDS: u64 = 8;
+/// Most mutations or samples a pixel of a round that nobody asked for: what an interruption may cost.
+const LARGEST_ROUND: f64 = 64.0;
 /// Parts of a mutation or sample a pixel that a round's size is a multiple of, so that decimal text holds it exactly.
 const PARTS: f64 = 64.0;
 
@@ -43,22 +45,24 @@ impl Plan {
     /// `total` mutations or samples a pixel, over all rounds.
     fn sized(self, total: f64) -> Self {
         let most = if self.method.mutates() { u64::MAX } else { (total as u64).max(1) };
-        let rounds = self.rounds.unwrap_or(ROUNDS.min(most));
-        Self { per_pixel: Some(total / rounds as f64), rounds: Some(rounds), ..self }
+        let usual = ROUNDS.max((total / LARGEST_ROUND).ceil() as u64);
+        let rounds = self.rounds.unwrap_or(usual.min(most));
+        // A short mantissa, so that the total of any number of rounds, as text, leads back to the same size.
+        let per_pixel = f64::from((total / rounds as f64) as f32);
+        Self { per_pixel: Some(per_pixel), rounds: Some(rounds), ..self }
     }
 
     /// The size of a round that suits the time, at `rate` mutations or samples a pixel and second.
     pub fn per_pixel_at(&self, rate: f64, time: Duration) -> f64 {
-        let rounds = self.rounds.map_or(TIMED_ROUNDS, |rounds| rounds as f64);
-        let ideal = rate * time.as_secs_f64() / rounds;
+        let total = rate * time.as_secs_f64();
+        let ideal = self.rounds.map_or((total / TIMED_ROUNDS).min(LARGEST_ROUND), |rounds| total / rounds as f64);
         if self.method.mutates() { ((ideal * PARTS).floor() / PARTS).max(1.0 / PARTS) } else { ideal.floor().max(1.0) }
     }
 
     /// The options that make a render of `rounds` rounds of this size again.
     pub fn budget_option(method: Method, per_pixel: f64, rounds: u64) -> String {
         let total = per_pixel * rounds as f64;
-        let unit = if method.mutates() { "mutations" } else { "samples" };
-        format!("--{unit}-per-pixel {total}")
+        format!("--{}-per-pixel {total}", method.unit())
     }
 }
 
@@ -73,9 +77,9 @@ fn usual(method: Method) -> f64 {
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let unit = if self.method.mutates() { "mutations" } else { "samples" };
+        let unit = self.method.unit();
         match (self.per_pixel, self.rounds) {
-            (Some(n), Some(rounds)) => write!(f, "taking {} {unit} per pixel in {rounds} rounds", n * rounds as f64),
+            (Some(n), Some(rounds)) => write!(f, "{} {unit} per pixel in {rounds} rounds", n * rounds as f64),
             _ => f.write_str("going on until the end is reached"),
         }
     }

@@ -20,15 +20,22 @@ use mlt_core::{
 use super::{Plan, Setup, plan::TRUSTED_ROUNDS};
 use crate::{
     Failure,
-    args::render::{self, RenderOptions},
+    args::render::{self, RenderOptions, value_name},
     cpu_seconds,
     interrupt::Interrupt,
     progress::Progress,
     report::{Acceptance, Report, StratumReport},
+    require_memory,
 };
 
 /// Steps of the progress bar.
 const STEPS: u64 = 1000;
+/// Time that is enough to measure the speed.
+const ENOUGH: Duration = Duration::from_millis(300);
+/// Bytes of a round for each of its mutations: a 32nd of an independent sample, and the counts of short chains.
+const BYTES_PER_MUTATION: f64 = 0.6;
+/// Bytes for each sample of the pixels in work, two a thread: its deposits.
+const BYTES_PER_SAMPLE: f64 = 64.0;
 /// A run of rejections that is worth a warning.
 const STUCK: u64 = 10_000;
 /// Relative uncertainty of a stratum's b that is worth a warning.
@@ -48,20 +55,24 @@ pub struct Finished {
 pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Interrupt) -> Result<Finished, Failure> {
     let (start, cpu) = (Instant::now(), cpu_seconds());
     let view = View { scene: &setup.scene, camera: &setup.camera };
-    let per_pixel = plan.per_pixel.unwrap_or_else(|| measured(options, view, &plan));
+    let per_pixel = plan.per_pixel.unwrap_or_else(|| measured(options, view, &plan, interrupt));
+    require_memory_for_round(options.method, per_pixel, f64::from(setup.camera.pixels()))?;
     let renderer = Renderer::new(view, settings(options, per_pixel));
     let (mut film, mut counts) = (renderer.film(), Counts::default());
     let mut ending =
         Ending { plan, interrupt: interrupt.clone(), start, round: Instant::now(), longest: Duration::ZERO };
-    let progress = Progress::new(ending.steps(), options.quiet);
+    let progress = Progress::new(STEPS, options.method.unit(), options.quiet);
     let pixels = f64::from(setup.camera.pixels());
     let first = options.first_round;
     let last = plan.rounds.map_or(u64::MAX, |rounds| first.saturating_add(rounds));
+    let (watched, mut error) = (progress.is_shown() || plan.error.is_some(), None);
     let outcome = renderer.render(first..last, &mut film, &mut counts, &mut |at, film| {
-        let error = (at.rounds > 1 && at.fraction == 0.0).then(|| relative_error(film));
+        if watched && at.rounds > 1 && at.fraction == 0.0 {
+            error = Some(relative_error(film)).filter(|error| error.is_finite());
+        }
         let done = at.rounds as f64 + at.fraction;
         let rate = done * per_pixel * pixels / start.elapsed().as_secs_f64();
-        progress.update(ending.share(done), rate, error);
+        progress.update(ending.share(done, error), rate, error);
         ending.reached(at.rounds, at.fraction == 0.0, error)
     });
     progress.finish();
@@ -81,21 +92,36 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
 }
 
 /// The size of a round that suits a time budget, from the speed of a small render.
-fn measured(options: &RenderOptions, view: View, plan: &Plan) -> f64 {
+fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> f64 {
     let time = plan.time.unwrap_or_default();
-    let start = Instant::now();
+    let (start, enough) = (Instant::now(), time.mul_f64(0.01).min(ENOUGH));
+    let mut observe = |_, _: &Film<3>| match interrupt.requested() {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    };
     let mut size = 1.0 / 64.0;
     loop {
         let trial = Renderer::new(view, without_pilot(settings(options, size)));
         let before = Instant::now();
-        trial.render(0..1, &mut trial.film(), &mut Counts::default(), &mut |_, _| ControlFlow::Continue(()));
-        let seconds = before.elapsed().as_secs_f64().max(1e-6);
+        if trial.render(0..1, &mut trial.film(), &mut Counts::default(), &mut observe) == Outcome::Stopped {
+            return size;
+        }
+        let taken = before.elapsed();
         let done = if options.method.mutates() { size } else { size.max(1.0) };
-        if seconds > 0.01 * time.as_secs_f64() || start.elapsed() > time.mul_f64(0.05) {
-            return plan.per_pixel_at(done / seconds, time.saturating_sub(start.elapsed()));
+        if taken > enough || start.elapsed() > time.mul_f64(0.05) {
+            return plan.per_pixel_at(done / taken.as_secs_f64().max(1e-6), time.saturating_sub(start.elapsed()));
         }
         size *= 4.0;
     }
+}
+
+/// Refuses a round whose memory, besides the film's, is more than there is.
+fn require_memory_for_round(method: render::Method, per_pixel: f64, pixels: f64) -> anyhow::Result<()> {
+    let bytes = match method.mutates() {
+        true => per_pixel * pixels * BYTES_PER_MUTATION,
+        false => per_pixel * rayon::current_num_threads() as f64 * BYTES_PER_SAMPLE,
+    };
+    require_memory(bytes as u64, &format!("a round of {per_pixel} {} per pixel", method.unit()))
 }
 
 fn settings(options: &RenderOptions, per_pixel: f64) -> Settings {
@@ -151,16 +177,12 @@ struct Ending {
 }
 
 impl Ending {
-    /// Length of the progress bar; `None` if nobody knows the end.
-    fn steps(&self) -> Option<u64> {
-        (self.plan.rounds.is_some() || self.plan.time.is_some()).then_some(STEPS)
-    }
-
-    /// Where the progress bar stands after `done` rounds.
-    fn share(&self, done: f64) -> u64 {
+    /// Where the progress bar stands after `done` rounds; errors fall as one over the square root of the work.
+    fn share(&self, done: f64, error: Option<f64>) -> u64 {
         let rounds = self.plan.rounds.map_or(0.0, |rounds| done / rounds as f64);
         let time = self.plan.time.map_or(0.0, |time| self.start.elapsed().as_secs_f64() / time.as_secs_f64());
-        (rounds.max(time).min(1.0) * STEPS as f64) as u64
+        let error = self.plan.error.zip(error).map_or(0.0, |(target, error)| (target / error).powi(2));
+        (rounds.max(time).max(error).min(1.0) * STEPS as f64) as u64
     }
 
     /// Breaks when the render is to stop: on a signal at once, else at the end of a round.
@@ -221,10 +243,6 @@ fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Count
     report
 }
 
-fn value_name(value: impl clap::ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
 /// b and its standard error: from the strata, or else the image's mean.
 fn image_mean(film: &Film<3>, counts: &Counts) -> (f64, f64) {
     let root = |squares: f64| squares.sqrt();
@@ -270,9 +288,11 @@ fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
         .sum();
     let longest = counts.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0);
     let dark = (0..film.sites() as usize).all(|i| film.pixel(i).iter().all(|channel| channel.mean == 0.0));
+    let rounds = film.rounds();
+    warn(rounds == 1, format!("one round says nothing of its error; take {TRUSTED_ROUNDS} or more to know it"));
     warn(
-        film.rounds() < TRUSTED_ROUNDS,
-        format!("the error is estimated from {} rounds only; take {TRUSTED_ROUNDS} or more to trust it", film.rounds()),
+        (2..TRUSTED_ROUNDS).contains(&rounds),
+        format!("the error is estimated from {rounds} rounds only; take {TRUSTED_ROUNDS} or more to trust it"),
     );
     warn(strata > 0, format!("{strata} strata have a b that is uncertain by more than 5 %; take more mutations"));
     warn(non_finite > 0, format!("{non_finite} paths had an importance that is not finite; they are left out"));

@@ -1,7 +1,5 @@
 //! From options to a scene and a camera.
 
-use std::path::Path;
-
 use anyhow::{Context, anyhow};
 use glam::DVec3;
 use mlt_core::transport::{
@@ -32,10 +30,7 @@ pub struct Setup {
 impl Setup {
     /// Loads the scene and finds the camera.
     pub fn new(options: &RenderOptions) -> Result<Self, Failure> {
-        let loaded = mlt_scene::open(&options.scene).map_err(|error| {
-            let named = !options.scene.exists();
-            if named { Failure::Usage(error.into()) } else { Failure::Run(error.into()) }
-        })?;
+        let loaded = mlt_scene::open(&options.scene).map_err(|error| Failure::Usage(error.into()))?;
         let name = options.scene.display().to_string();
         let pose = pose(options, &loaded.description)?;
         let size = size(options, &pose);
@@ -48,11 +43,6 @@ impl Setup {
             warnings.push(format!("{} triangles have a corner that is not finite; they are left out", scene.dropped()));
         }
         Ok(Self { name, scene, camera, warnings })
-    }
-
-    /// The scene's name without folder and extension, for files that are not named.
-    pub fn stem(&self) -> String {
-        Path::new(&self.name).file_stem().map_or_else(|| "render".into(), |stem| stem.to_string_lossy().into_owned())
     }
 }
 

@@ -5,8 +5,7 @@
 
 use super::bdpt::{Bidirectional, Carried, Scratch, Subpath};
 use super::path::{PathVertex, geometric_term, set_edge, set_scattering};
-use super::{Rgb, luminance, mis};
-use crate::engine::uniform;
+use super::{Rgb, mis};
 use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;
 
@@ -53,20 +52,15 @@ impl Bidirectional<'_> {
     /// Takes one sample through a point of the image and shows `visit` its parts, each with its pixel: weighted
     /// contributions over densities. Over uniform points of the image, their expected sum in a pixel is the integral of f
     /// over the paths through it.
-    ///
-    /// A connection that would contribute a luminance c below `cutoff` is made with probability c/cutoff only and then
-    /// counts as `cutoff`: most connections contribute little, and each costs a ray.
-    ///
-    /// Source of the cutoff: [Veach97], section 10.4.1, efficiency-optimised roulette.
-    pub fn sample_image(&self, image: Vec2, cutoff: f64, rng: &mut impl Rng, visit: &mut impl FnMut(u32, DVec3)) {
+    pub fn sample_image(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(u32, DVec3)) {
         let pixel = self.view.camera.pixel(image);
-        self.with_subpaths(image, rng, |scratch, rng| {
+        self.with_subpaths(image, rng, |scratch, _| {
             for t in 1..=scratch.eye.len() {
                 if let Some(value) = self.hit(&scratch.eye, t) {
                     visit(pixel, value);
                 }
                 for s in 1..=(self.max_edges + 1 - t).min(scratch.light.len()) {
-                    if let Some((splat, value)) = self.connection(scratch, [s, t], cutoff, rng) {
+                    if let Some((splat, value)) = self.connection(scratch, s, t) {
                         visit(splat.unwrap_or(pixel), value);
                     }
                 }
@@ -89,13 +83,7 @@ impl Bidirectional<'_> {
     }
 
     /// s ≥ 1 and t ≥ 1: an edge between the subpaths. With t = 1 it crosses the image at a pixel of its own.
-    fn connection(
-        &self,
-        scratch: &Scratch,
-        [s, t]: [usize; 2],
-        cutoff: f64,
-        rng: &mut impl Rng,
-    ) -> Option<(Option<u32>, DVec3)> {
+    fn connection(&self, scratch: &Scratch, s: usize, t: usize) -> Option<(Option<u32>, DVec3)> {
         let (light, eye) = (&scratch.light.vertices[..s], &scratch.eye.vertices[scratch.eye.vertices.len() - t..]);
         if light[s - 1].vertex.delta || eye[0].vertex.delta {
             return None;
@@ -115,17 +103,10 @@ impl Bidirectional<'_> {
         let others = window.earlier_techniques(self.region.power(), from_light.others)
             + window.later_techniques(from_eye.others);
         let scatter: Rgb = x.scatter * y.scatter;
-        let mut value = from_light.throughput
+        let value = from_light.throughput
             * from_eye.throughput
             * scatter.as_dvec3()
             * (geometric_term(&x, &y.vertex) / (1.0 + others));
-        let size = f64::from(luminance(value.as_vec3()));
-        if size < cutoff {
-            if uniform(rng) * cutoff >= size {
-                return None;
-            }
-            value *= cutoff / size;
-        }
         self.view.scene.visible(&x.vertex, &y.vertex).then_some((pixel, value))
     }
 }

@@ -63,7 +63,7 @@ fn samples_for_the_image_are_those_of_paths() {
             });
             let mut rng = rng();
             let point = Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng));
-            sampler.sample_image(point, 0.0, &mut rng, &mut |pixel, value| {
+            sampler.sample_image(point, &mut rng, &mut |pixel, value| {
                 *image.entry(pixel).or_insert(DVec3::ZERO) += value;
             });
             image.retain(|_, value| *value != DVec3::ZERO);
