@@ -19,6 +19,7 @@
 //! |---|---|
 //! | [`engine`] | Metropolis sampling of any state space, as traits. It knows no vector, no scene, no light. |
 //! | [`measure`] | Measures of the error of an image against a reference. |
+//! | [`primary`] | States that are the random numbers of any sampler, for the engine. |
 //! | `transport` | A renderer that is one user of those traits (feature `transport`, on by default). |
 //!
 //! In [`engine`]: what you bring ([`Path`](engine::Path), [`Importance`](engine::Importance),
@@ -89,6 +90,7 @@
 
 pub mod engine;
 pub mod measure;
+pub mod primary;
 #[cfg(feature = "transport")]
 pub mod transport;
 

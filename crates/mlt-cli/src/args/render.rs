@@ -17,6 +17,17 @@ pub enum Method {
     Bdpt,
     /// Path tracing
     Pt,
+    /// Stratified Metropolis over the random numbers of bidirectional samples
+    Pssmlt,
+    /// Stratified Metropolis over the random numbers of single paths, with their length and technique
+    Mmlt,
+}
+
+impl Method {
+    /// Whether it samples by chains of mutations; else by independent samples.
+    pub fn mutates(self) -> bool {
+        matches!(self, Self::Mlt | Self::Pssmlt | Self::Mmlt)
+    }
 }
 
 /// The scalar that chains sample in proportion to.
@@ -244,7 +255,7 @@ mod tests {
     #[test]
     fn bad_values_are_refused_and_named() {
         for (line, part) in [
-            ("--method photon", "[possible values: mlt, bdpt, pt]"),
+            ("--method photon", "[possible values: mlt, bdpt, pt, pssmlt, mmlt]"),
             ("--size 0x4", "between 1 and 65536"),
             ("--strata 3x", "as in 4x4"),
             ("--weights equal", "[possible values: power, adaptive]"),

@@ -42,7 +42,7 @@ impl Plan {
 
     /// `total` mutations or samples a pixel, over all rounds.
     fn sized(self, total: f64) -> Self {
-        let most = if self.method == Method::Mlt { u64::MAX } else { (total as u64).max(1) };
+        let most = if self.method.mutates() { u64::MAX } else { (total as u64).max(1) };
         let rounds = self.rounds.unwrap_or(ROUNDS.min(most));
         Self { per_pixel: Some(total / rounds as f64), rounds: Some(rounds), ..self }
     }
@@ -51,34 +51,29 @@ impl Plan {
     pub fn per_pixel_at(&self, rate: f64, time: Duration) -> f64 {
         let rounds = self.rounds.map_or(TIMED_ROUNDS, |rounds| rounds as f64);
         let ideal = rate * time.as_secs_f64() / rounds;
-        match self.method {
-            Method::Mlt => ((ideal * PARTS).floor() / PARTS).max(1.0 / PARTS),
-            Method::Bdpt | Method::Pt => ideal.floor().max(1.0),
-        }
+        if self.method.mutates() { ((ideal * PARTS).floor() / PARTS).max(1.0 / PARTS) } else { ideal.floor().max(1.0) }
     }
 
     /// The options that make a render of `rounds` rounds of this size again.
     pub fn budget_option(method: Method, per_pixel: f64, rounds: u64) -> String {
         let total = per_pixel * rounds as f64;
-        match method {
-            Method::Mlt => format!("--mutations-per-pixel {total}"),
-            Method::Bdpt | Method::Pt => format!("--samples-per-pixel {total}"),
-        }
+        let unit = if method.mutates() { "mutations" } else { "samples" };
+        format!("--{unit}-per-pixel {total}")
     }
 }
 
 /// Mutations or samples a pixel of a render that nothing is said about.
 fn usual(method: Method) -> f64 {
     match method {
-        Method::Mlt => 128.0,
-        Method::Bdpt => 32.0,
+        Method::Mlt | Method::Mmlt => 128.0,
+        Method::Bdpt | Method::Pssmlt => 32.0,
         Method::Pt => 64.0,
     }
 }
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let unit = if self.method == Method::Mlt { "mutations" } else { "samples" };
+        let unit = if self.method.mutates() { "mutations" } else { "samples" };
         match (self.per_pixel, self.rounds) {
             (Some(n), Some(rounds)) => write!(f, "taking {} {unit} per pixel in {rounds} rounds", n * rounds as f64),
             _ => f.write_str("going on until the end is reached"),

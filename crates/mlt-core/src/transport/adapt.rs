@@ -50,6 +50,9 @@ const MUTATIONS_A_STRATUM: f64 = 8.0 * LEAST_CHAIN as f64;
 /// Most of a round that strata may take if each gets no more than the shortest useful chain.
 const MOST_IN_SHORT_CHAINS: f64 = 0.25;
 
+/// Runs pilot rounds of given strata with given shares.
+pub(super) type Measurement<'a> = dyn Fn(&LightStrata, &[Share], Range<u64>) -> (Vec<Measure>, Tally) + 'a;
+
 /// What a pilot is made of: the settings, and a way to measure given strata with given shares.
 pub(super) struct Pilot<'a> {
     pub(super) lights: &'a Lights,
@@ -61,7 +64,7 @@ pub(super) struct Pilot<'a> {
     /// n_j by power for so many mutations.
     pub(super) by_power: &'a dyn Fn(&LightStrata, f64) -> Vec<Share>,
     /// Runs pilot rounds.
-    pub(super) measure: &'a dyn Fn(&LightStrata, &[Share], Range<u64>) -> (Vec<Measure>, Tally),
+    pub(super) measure: &'a Measurement<'a>,
 }
 
 /// What a render is to use.

@@ -1,7 +1,7 @@
 //! Small geometry: frames and maps from the unit square.
 
-use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+use glam::{Vec2, Vec2Swizzles, Vec3};
+use std::f32::consts::FRAC_PI_4;
 
 /// Two unit vectors that complete the unit vector `n` to a right-handed frame (s, t, n).
 ///
@@ -23,9 +23,20 @@ pub fn square_to_disk(u: Vec2) -> Vec2 {
     if p == Vec2::ZERO {
         return Vec2::ZERO;
     }
-    let (r, angle) =
-        if p.x.abs() > p.y.abs() { (p.x, FRAC_PI_4 * (p.y / p.x)) } else { (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y)) };
-    r * Vec2::new(angle.cos(), angle.sin())
+    if p.x.abs() > p.y.abs() {
+        p.x * eighth_turn(FRAC_PI_4 * (p.y / p.x))
+    } else {
+        p.y * eighth_turn(FRAC_PI_4 * (p.x / p.y)).yx()
+    }
+}
+
+/// (cos φ, sin φ) for |φ| ≤ π/4, to 3·10⁻⁷, by their series: the same bits on every machine, and no call.
+#[inline]
+fn eighth_turn(angle: f32) -> Vec2 {
+    let x2 = angle * angle;
+    let cos = 1.0 - x2 * (0.5 - x2 * (1.0 / 24.0 - x2 * (1.0 / 720.0 - x2 / 40320.0)));
+    let sin = angle * (1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 * (1.0 / 5040.0 - x2 / 362_880.0))));
+    Vec2::new(cos, sin)
 }
 
 /// A direction about the unit vector `n` with density cosθ/π, sr⁻¹.
@@ -41,4 +52,32 @@ pub fn cosine_hemisphere(n: Vec3, u: Vec2) -> Vec3 {
 #[inline]
 pub fn abs_dot(a: Vec3, b: Vec3) -> f32 {
     a.dot(b).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_eighth_turn_is_a_turn() {
+        for i in -100..=100 {
+            let angle = FRAC_PI_4 * i as f32 / 100.0;
+            let expected = Vec2::new(f64::from(angle).cos() as f32, f64::from(angle).sin() as f32);
+            assert!(eighth_turn(angle).distance(expected) < 3e-7, "{angle}");
+        }
+    }
+
+    #[test]
+    fn equal_areas_of_the_square_are_equal_areas_of_the_disk() {
+        const N: usize = 1001;
+        let mut rings = [0.0; 4];
+        let mut sectors = [0.0; 8];
+        for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+            let p = square_to_disk((Vec2::new(i as f32, j as f32) + 0.5) / N as f32);
+            rings[(4.0 * p.length_squared()).min(3.99) as usize] += 4.0 / (N * N) as f64;
+            let turn = f64::from(p.y).atan2(f64::from(p.x)) / std::f64::consts::TAU;
+            sectors[(8.0 * turn.rem_euclid(1.0)).min(7.99) as usize] += 8.0 / (N * N) as f64;
+        }
+        assert!(rings.iter().chain(&sectors).all(|share: &f64| (share - 1.0).abs() < 0.02), "{rings:?} {sectors:?}");
+    }
 }

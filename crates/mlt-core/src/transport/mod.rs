@@ -7,6 +7,7 @@ mod blur;
 pub mod bsdf;
 pub mod camera;
 pub mod classes;
+mod connect;
 pub mod description;
 mod hilbert;
 pub mod importance;
@@ -21,6 +22,7 @@ pub mod mesh;
 mod mis;
 pub mod mutate;
 pub mod path;
+pub mod primary;
 pub mod pt;
 pub mod ray;
 pub mod region;
@@ -31,6 +33,10 @@ pub mod strata;
 pub mod stratum;
 mod subpath;
 mod surface;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
 pub mod vertex;
 
 /// Linear Rec. 709 colour: radiance in W·sr⁻¹·m⁻², or a dimensionless reflectance.

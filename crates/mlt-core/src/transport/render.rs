@@ -7,15 +7,17 @@ use super::importance::{PixelImportance, Target};
 use super::independent::{ImageSampler, Independent, SampleTally};
 use super::mutate::PathMutation;
 use super::path::{LightPath, View};
+use super::primary::{AllConnections, Multiplexed, Part, Techniques};
 use super::pt::PathTracer;
 use super::region::LightRegion;
 use super::scene::rays_traced;
 use super::strata::{LightStrata, Stratification};
 use super::stratum::{LightStratum, Variant};
 use crate::engine::{
-    self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Progress, Share, StratumStats, Tally,
-    shares_by_power,
+    self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Path, Progress, Share, Splat, Stratum,
+    StratumStats, Tally, shares_by_power,
 };
+use crate::primary::{PrimaryImportance, PrimaryMutation};
 use std::ops::{ControlFlow, Range};
 
 /// How the image is estimated.
@@ -28,6 +30,10 @@ pub enum Method {
     Bidirectional,
     /// Path tracing with next-event estimation.
     Path,
+    /// Stratified Metropolis over the random numbers of bidirectional samples.
+    PrimaryBidirectional,
+    /// Stratified Metropolis over the random numbers of single paths, with their length and technique.
+    Multiplexed,
 }
 
 /// What decides the bits of a render, besides the scene and the camera.
@@ -91,6 +97,12 @@ pub struct Renderer<'a, I = PixelImportance> {
     pilot: StratumStats,
 }
 
+/// Mutations for one independent sample, of those for b̂_j and the chains' starts, where both are a bidirectional sample.
+const BIDIRECTIONAL_MUTATIONS_A_SAMPLE: u64 = 8;
+/// The same where both are a path. Most random paths are dark, so b̂_j takes many.
+const MULTIPLEXED_MUTATIONS_A_SAMPLE: u64 = 4;
+/// Probability of a large step in primary sample space.
+const LARGE_STEPS: f64 = 0.3;
 /// Samples a pixel of the image that a relative importance is made from.
 const SAMPLES_OF_LEVEL: f64 = 4.0;
 
@@ -129,8 +141,12 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let whole = LightRegion::whole(lights);
         let (shares, pilot) = (Vec::new(), StratumStats::default());
         let mut renderer = Self { view, settings, importance, strata, shares, whole, pilot };
-        if renderer.settings.method == Method::Metropolis {
-            renderer.adapt();
+        match renderer.settings.method {
+            Method::Metropolis => renderer.adapt(),
+            Method::PrimaryBidirectional | Method::Multiplexed => {
+                renderer.strata = LightStrata::new(lights, renderer.settings.stratification);
+            }
+            Method::Bidirectional | Method::Path => {}
         }
         renderer
     }
@@ -195,14 +211,24 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         observe: &mut Observer,
     ) -> Outcome {
         let (view, max_edges) = (self.view, self.max_edges());
+        let run = Run { rounds, film, counts, observe };
         match self.settings.method {
-            Method::Metropolis => self.metropolis(rounds, film, counts, observe),
-            Method::Bidirectional => {
-                self.independent(&Bidirectional { view, region: &self.whole, max_edges }, rounds, film, counts, observe)
+            Method::Metropolis => {
+                let strata = self.path_strata(&self.strata);
+                let mixture = Mixture::new(PathMutation::all(view));
+                self.metropolis(&self.estimator(&strata, &self.shares, &mixture), run)
             }
-            Method::Path => {
-                self.independent(&PathTracer { view, region: &self.whole, max_edges }, rounds, film, counts, observe)
+            Method::PrimaryBidirectional => {
+                let strata = self.part().all(|part| AllConnections { part });
+                self.primary(&strata, BIDIRECTIONAL_MUTATIONS_A_SAMPLE, run)
             }
+            Method::Multiplexed => {
+                let techniques = Techniques::new(max_edges);
+                let strata = self.part().all(|part| Multiplexed { part, techniques: &techniques });
+                self.primary(&strata, MULTIPLEXED_MUTATIONS_A_SAMPLE, run)
+            }
+            Method::Bidirectional => self.independent(&Bidirectional { view, region: &self.whole, max_edges }, run),
+            Method::Path => self.independent(&PathTracer { view, region: &self.whole, max_edges }, run),
         }
     }
 
@@ -210,19 +236,45 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         self.settings.max_edges.unwrap_or(MOST_EDGES).clamp(1, MOST_EDGES)
     }
 
-    fn metropolis(
-        &self,
-        rounds: Range<u64>,
-        film: &mut Film<3>,
-        counts: &mut Counts,
-        observe: &mut Observer,
-    ) -> Outcome {
-        let strata = self.path_strata(&self.strata);
-        let mixture = Mixture::new(PathMutation::all(self.view));
-        let estimator = self.estimator(&strata, &self.shares, &mixture);
+    /// What tracers in primary sample space share.
+    fn part(&self) -> Part<'_, I> {
+        Part {
+            view: self.view,
+            strata: &self.strata,
+            index: 0,
+            max_edges: self.max_edges(),
+            importance: &self.importance,
+        }
+    }
+
+    /// Metropolis in primary sample space, with shares by power.
+    fn primary<P, S>(&self, strata: &[S], mutations_a_sample: u64, run: Run) -> Outcome
+    where
+        P: Path<Splat = Splat<3>> + Send,
+        S: Stratum<P> + Sync,
+        PrimaryMutation: Mutation<P, S> + Sync,
+        PrimaryImportance: Importance<P>,
+    {
+        let mutations = self.settings.per_pixel * f64::from(self.view.camera.pixels());
+        let mut shares = shares_by_power(strata, mutations);
+        shares.iter_mut().for_each(|share| share.samples = share.samples.max(share.mutations / mutations_a_sample));
+        let mixture = Mixture::new(PrimaryMutation::both(LARGE_STEPS));
+        let (seed, work) = (self.settings.seed, rays_traced);
+        let importance = &PrimaryImportance;
+        self.metropolis(&Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work }, run)
+    }
+
+    fn metropolis<P, S, M, J>(&self, estimator: &Metropolis<P, S, M, J>, run: Run) -> Outcome
+    where
+        P: Path<Splat = Splat<3>> + Send,
+        S: Stratum<P> + Sync,
+        M: Mutation<P, S> + Sync,
+        J: Importance<P> + Sync,
+    {
+        let counts = run.counts;
         let mut tally = Tally { strata: std::mem::take(&mut counts.strata) };
-        let outcome = run(&estimator, rounds, film, &mut tally, observe);
-        counts.mutations = mixture.mutations().iter().map(Mutation::<LightPath, LightStratum>::name).collect();
+        let outcome = repeat(estimator, run.rounds, run.film, &mut tally, run.observe);
+        counts.mutations = estimator.mixture.mutations().iter().map(Mutation::<P, S>::name).collect();
         counts.rays = tally.work();
         counts.strata = tally.strata;
         (counts.pilot_mutations, counts.pilot_rays) =
@@ -230,24 +282,26 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         outcome
     }
 
-    fn independent<T: ImageSampler>(
-        &self,
-        sampler: &T,
-        rounds: Range<u64>,
-        film: &mut Film<3>,
-        counts: &mut Counts,
-        observe: &mut Observer,
-    ) -> Outcome {
+    fn independent<T: ImageSampler>(&self, sampler: &T, run: Run) -> Outcome {
         let Settings { per_pixel: samples_per_pixel, seed, .. } = self.settings;
         let estimator = Independent { sampler, samples_per_pixel, seed };
+        let counts = run.counts;
         let mut tally = SampleTally { samples: counts.samples, rays: counts.rays };
-        let outcome = run(&estimator, rounds, film, &mut tally, observe);
+        let outcome = repeat(&estimator, run.rounds, run.film, &mut tally, run.observe);
         (counts.samples, counts.rays) = (tally.samples, tally.rays);
         outcome
     }
 }
 
-fn run<E: Estimator<3>>(
+/// What one call adds, and where to.
+struct Run<'r, 'o> {
+    rounds: Range<u64>,
+    film: &'r mut Film<3>,
+    counts: &'r mut Counts,
+    observe: &'r mut Observer<'o>,
+}
+
+fn repeat<E: Estimator<3>>(
     estimator: &E,
     rounds: Range<u64>,
     film: &mut Film<3>,

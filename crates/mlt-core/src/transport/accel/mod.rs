@@ -2,10 +2,10 @@
 //!
 //! Three steps, one file each:
 //!
-//! * [`binary`]: obvhs builds a binary tree over the triangles, one to a leaf (the only file that names obvhs);
-//! * [`collapse`]: dynamic programming folds it into the cheapest 8-wide tree ([`wide`] is its layout);
-//! * [`traverse`]: a ray walks that tree, eight boxes or eight triangles at a time ([`simd`] is the arithmetic,
-//!   [`watertight`] the triangle test and the accurate hit).
+//! * `binary`: a library builds a binary tree over the triangles, one to a leaf (the only file that names it);
+//! * `collapse`: dynamic programming folds it into the cheapest 8-wide tree (`wide` is its layout);
+//! * `traverse`: a ray walks that tree, eight boxes or eight triangles at a time (`simd` is the arithmetic,
+//!   `watertight` the triangle test and the accurate hit).
 //!
 //! What callers may rely on:
 //!

@@ -1,0 +1,228 @@
+use super::stream::{Change, Perturbation};
+use super::*;
+use crate::engine::{
+    Chain, Film, Generator, Importance, Metropolis, Mixture, Mutation, Purpose, Share, Splat, Stratum, Tally,
+    generator, render, uniform,
+};
+use rand_pcg::rand_core::Rng;
+use std::ops::ControlFlow;
+
+const SITES: usize = 4;
+
+/// F(u, v) = u² v_1 … v_n at the site ⌊4u⌋, with n such that the first n of a row of numbers, one beside each v, are below
+/// `GO_ON`. ∫ F at a site is ∫ u² du · Σ_n (1 − g) gⁿ 2⁻ⁿ.
+#[derive(Clone, Copy)]
+struct Toy {
+    /// u is drawn from [low, high): the stratum.
+    low: f64,
+    high: f64,
+}
+
+const GO_ON: f64 = 0.6;
+
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Value {
+    u: f64,
+    value: f64,
+}
+
+impl Output for Value {
+    type Splat = Splat<1>;
+
+    fn importance(&self) -> f64 {
+        self.value * (1.5 - self.u)
+    }
+
+    fn splats(&self) -> impl Iterator<Item = Splat<1>> {
+        std::iter::once(Splat { site: (self.u * SITES as f64) as u32, value: [self.value] })
+    }
+}
+
+impl Tracer<2> for Toy {
+    type Output = Value;
+
+    fn trace(&self, [first, rest]: &mut Streams<2>, output: &mut Value) -> bool {
+        output.u = self.low + (self.high - self.low) * uniform(first);
+        output.value = (self.high - self.low) * output.u * output.u;
+        while uniform(rest) < GO_ON {
+            output.value *= uniform(rest);
+        }
+        output.value > 0.0
+    }
+}
+
+fn exact(site: usize) -> f64 {
+    let cube = |i: usize| (i as f64 / SITES as f64).powi(3) / 3.0;
+    (cube(site + 1) - cube(site)) * (1.0 - GO_ON) / (1.0 - 0.5 * GO_ON)
+}
+
+fn strata(cuts: &[f64]) -> Vec<PrimaryStratum<Toy>> {
+    let of = |w: &[f64]| PrimaryStratum { tracer: Toy { low: w[0], high: w[1] }, power: w[1] - w[0] };
+    cuts.windows(2).map(of).collect()
+}
+
+/// The mutations, with an error: a state of smaller u is accepted `factor` times as often as it should be.
+struct Skewed {
+    mutation: PrimaryMutation,
+    factor: f64,
+}
+
+type State = PrimaryPath<Value, 2>;
+
+impl Mutation<State, PrimaryStratum<Toy>> for Skewed {
+    fn name(&self) -> &'static str {
+        Mutation::<State, PrimaryStratum<Toy>>::name(&self.mutation)
+    }
+
+    fn suitability(&self, current: &State) -> f64 {
+        Mutation::<State, PrimaryStratum<Toy>>::suitability(&self.mutation, current)
+    }
+
+    fn propose(
+        &self,
+        current: &State,
+        proposal: &mut State,
+        within: &PrimaryStratum<Toy>,
+        rng: &mut impl Rng,
+    ) -> Option<f64> {
+        let ratio = self.mutation.propose(current, proposal, within, rng)?;
+        Some(if proposal.output().u < current.output().u { self.factor * ratio } else { ratio })
+    }
+}
+
+fn skewed(factor: f64) -> Mixture<State, PrimaryStratum<Toy>, Skewed> {
+    Mixture::new(PrimaryMutation::both(0.2).into_iter().map(|mutation| Skewed { mutation, factor }).collect())
+}
+
+/// Largest |z| of a site's mean over 3,000 rounds of 40 mutations a stratum.
+fn largest_z(cuts: &[f64], factor: f64) -> f64 {
+    let (strata, mixture) = (strata(cuts), skewed(factor));
+    let shares = vec![Share { mutations: 40, samples: 8 }; strata.len()];
+    let metropolis = Metropolis {
+        strata: &strata,
+        shares: &shares,
+        mixture: &mixture,
+        importance: &PrimaryImportance,
+        seed: 5,
+        work: || 0,
+    };
+    let (mut film, mut tally) = (Film::<1>::new(SITES as u32, 1.0), Tally::default());
+    render(&metropolis, 0..3000, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+    let z = |site| {
+        let [pixel] = film.pixel(site);
+        (pixel.mean - exact(site)) / pixel.stderr
+    };
+    (0..SITES).map(|site| z(site).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn short_rounds_are_unbiased_in_any_strata() {
+    for cuts in [&[0.0, 1.0][..], &[0.0, 0.3, 1.0], &[0.0, 0.25, 0.5, 0.9, 1.0]] {
+        let z = largest_z(cuts, 1.0);
+        assert!(z < 4.0, "{cuts:?}: z = {z}");
+    }
+    let z = largest_z(&[0.0, 1.0], 1.7);
+    assert!(z > 6.0, "the control goes unnoticed: z = {z}");
+}
+
+/// A state from the target's own density, by rejection.
+fn exact_start(stratum: &PrimaryStratum<Toy>, rng: &mut Generator) -> State {
+    loop {
+        let mut start = None;
+        stratum.sample(rng, &mut |path, _| start = Some(path.clone()));
+        let Some(path) = start else { continue };
+        if uniform(rng) < PrimaryImportance.eval(&path) {
+            return path;
+        }
+    }
+}
+
+/// χ² with 15 degrees of freedom of (site, n) after `steps` steps from a start of the target's density.
+fn chi_squared(steps: usize, factor: f64) -> f64 {
+    let (strata, mixture) = (strata(&[0.0, 1.0]), skewed(factor));
+    let mut counts = [[0.0; 4]; SITES];
+    let chains = 20_000;
+    for index in 0..chains {
+        let mut rng = generator(9, Purpose::Chain, 0, 0, index);
+        let start = exact_start(&strata[0], &mut rng);
+        let mut chain = Chain::new(&mixture, &PrimaryImportance, &strata[0], start).expect("positive");
+        (0..steps).for_each(|_| chain.step(&mut Nothing, 1.0, &mut rng));
+        let path = chain.current();
+        let n = (path.numbers()[1].len() / 2 - 1) / 2;
+        counts[(path.output().u * 4.0) as usize][n.min(3)] += 1.0;
+    }
+    let of_u = |i: usize| {
+        let f = |u: f64| 0.5 * u.powi(3) - 0.25 * u.powi(4);
+        (f((i + 1) as f64 / 4.0) - f(i as f64 / 4.0)) / 0.25
+    };
+    let q = 0.5 * GO_ON;
+    let of_n = |n: usize| if n < 3 { (1.0 - q) * q.powi(n as i32) } else { q.powi(3) };
+    let cell = |i: usize, n: usize| {
+        let expected = f64::from(chains as u32) * of_u(i) * of_n(n);
+        (counts[i][n] - expected).powi(2) / expected
+    };
+    (0..SITES).flat_map(|i| (0..4).map(move |n| (i, n))).map(|(i, n)| cell(i, n)).sum()
+}
+
+struct Nothing;
+
+impl crate::engine::Sink<Splat<1>> for Nothing {
+    fn deposit(&mut self, _: Splat<1>, _: f64) {}
+}
+
+#[test]
+fn the_target_is_stationary() {
+    for steps in [0, 1, 7] {
+        let x = chi_squared(steps, 1.0);
+        assert!(x < 44.3, "{steps} steps: χ² = {x}, p < 1e-4");
+    }
+    let x = chi_squared(7, 1.3);
+    assert!(x > 60.0, "the control goes unnoticed: χ² = {x}");
+}
+
+#[test]
+fn the_same_numbers_give_the_same_output() {
+    let tracer = Toy { low: 0.0, high: 1.0 };
+    let mut rng = generator(1, Purpose::Sample, 0, 0, 0);
+    let (mut path, mut again) = (State::default(), State::default());
+    for _ in 0..100 {
+        assert!(path.trace(None, Change::Fresh, &tracer, &mut rng));
+        assert!(again.trace(Some(&path), Change::Same, &tracer, &mut rng));
+        assert_eq!((again.numbers(), again.output()), (path.numbers(), path.output()));
+    }
+}
+
+#[test]
+fn small_steps_are_symmetric_and_log_uniform_between_their_bounds() {
+    let near = Perturbation::new(1.0 / 1024.0, 1.0 / 64.0);
+    let mut rng = generator(2, Purpose::Sample, 0, 0, 0);
+    let (mut up, mut octaves) = (0, [0; 4]);
+    for _ in 0..40_000 {
+        let number = rng.next_u32();
+        let offset = near.apply(number, rng.next_u32()).wrapping_sub(number) as i32;
+        up += i32::from(offset > 0);
+        let size = f64::from(offset.unsigned_abs()) / 4_294_967_296.0;
+        assert!((0.999 / 1024.0..=1.0 / 64.0).contains(&size), "{size}");
+        octaves[((1.0 / 64.0 / size).log2() as usize).min(3)] += 1;
+    }
+    assert!((up - 20_000).abs() < 400, "{up}");
+    assert!(octaves.iter().all(|n: &i32| (n - 10_000).abs() < 400), "{octaves:?}");
+}
+
+#[test]
+fn a_small_step_moves_every_number_a_little_and_none_to_another_place() {
+    let stratum = &strata(&[0.0, 1.0])[0];
+    let small = PrimaryMutation::Small(SmallStep::new(1.0, 1.0 / 1024.0, 1.0 / 64.0));
+    let mut rng = generator(3, Purpose::Sample, 0, 0, 0);
+    let (mut x, mut y) = (State::default(), State::default());
+    x.trace(None, Change::Fresh, &stratum.tracer, &mut rng);
+    for _ in 0..1000 {
+        small.propose(&x, &mut y, stratum, &mut rng).expect("never dark");
+        for (a, b) in x.numbers().iter().flatten().zip(y.numbers().iter().flatten()).take(2 + x.numbers()[1].len()) {
+            let distance = a.wrapping_sub(*b).min(b.wrapping_sub(*a));
+            let shared = y.numbers()[1].len() >= x.numbers()[1].len();
+            assert!(!shared || (1 << 21..=1 << 26).contains(&distance), "{distance}");
+        }
+        std::mem::swap(&mut x, &mut y);
+    }
+}
