@@ -18,14 +18,22 @@ const MOST_SAMPLES: f64 = 0.125;
 /// Share of the mutations that goes by b_j alone, whatever the measured noise says.
 const BY_B: f64 = 0.25;
 
-/// n_j in proportion to power, one sample for so many mutations.
+/// n_j in proportion to power, but no chain shorter than [`LEAST_CHAIN`] where a round has room for that; one sample for
+/// so many mutations.
 pub fn shares_by_power<P>(strata: &[impl Stratum<P>], mutations: f64) -> Vec<Share> {
     let power: f64 = strata.iter().map(Stratum::power).sum();
-    let share = |power: f64| {
-        let mutations = ((mutations * power).round() as u64).max(1);
+    let parts: Vec<_> = strata.iter().map(|stratum| stratum.power() / power).collect();
+    let room = strata.len() as f64 * LEAST_CHAIN as f64 <= 0.5 * mutations;
+    let least = if room { LEAST_CHAIN as f64 } else { 1.0 };
+    let weak = |part: f64| mutations * part < least;
+    let strong: f64 = parts.iter().filter(|&&part| !weak(part)).sum();
+    let rest = mutations - least * parts.iter().filter(|&&part| weak(part)).count() as f64;
+    let share = |part: f64| {
+        let mutations =
+            if weak(part) || strong <= 0.0 { least } else { (rest * part / strong).round().max(least) } as u64;
         Share { mutations, samples: usual_samples(mutations) }
     };
-    strata.iter().map(|stratum| share(stratum.power() / power)).collect()
+    parts.into_iter().map(share).collect()
 }
 
 fn usual_samples(mutations: u64) -> u64 {
@@ -94,6 +102,25 @@ mod tests {
         assert_eq!(shares[1], Share { mutations: LEAST_CHAIN, samples: LEAST_SAMPLES });
         assert_eq!(shares[2], Share { mutations: MOST_DARK, samples: DARK_SAMPLES });
         assert_eq!(shares[0].mutations, 1_000_000);
+    }
+
+    #[test]
+    fn by_power_the_weak_get_the_shortest_useful_chain_if_there_is_room() {
+        struct Part(f64);
+        impl Stratum<()> for Part {
+            fn contains(&self, _: &()) -> bool {
+                true
+            }
+            fn sample(&self, _: &mut impl rand_pcg::rand_core::Rng, _: &mut impl FnMut(&(), f64)) {}
+            fn power(&self) -> f64 {
+                self.0
+            }
+        }
+        let parts = [Part(1.0), Part(297.0), Part(2.0)];
+        let n = |mutations| shares_by_power(&parts, mutations).iter().map(|s| s.mutations).collect::<Vec<_>>();
+        assert_eq!(n(300_000.0), [1000, 297_000, 2000]);
+        assert_eq!(n(10_000.0), [256, 9488, 256]);
+        assert_eq!(n(300.0), [1, 297, 2]);
     }
 
     #[test]

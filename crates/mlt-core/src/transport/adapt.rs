@@ -32,16 +32,23 @@ impl Default for Adaptation {
     }
 }
 
-/// Most mutations of a pilot round: it has to find light, not to make an image.
+/// Size of a pilot round, as a share of a production round: it has to find light, not to make an image.
+const PILOT_SHARE: f64 = 0.25;
+/// Fewest mutations of a pilot round, unless a production round has fewer.
+const LEAST_PILOT: f64 = 16_384.0;
+/// Most mutations of a pilot round.
 const MOST_PILOT: f64 = 262_144.0;
 /// Strata that `auto` starts from.
 const COARSE: usize = 8;
 /// Most strata of `auto`.
 const FINE: usize = 64;
 /// Measurements, each of which may double the strata.
-const LEVELS: u64 = 4;
+const LEVELS: u64 = 3;
 /// Mutations of an average stratum in a round, so that `auto` does not cut any finer.
 const MUTATIONS_A_STRATUM: f64 = 8.0 * LEAST_CHAIN as f64;
+
+/// Most of a round that strata may take if each gets no more than the shortest useful chain.
+const MOST_IN_SHORT_CHAINS: f64 = 0.25;
 
 /// Runs pilot rounds of given strata with given shares.
 pub(super) type Measurement<'a> = dyn Fn(&LightStrata, &[Share], Range<u64>) -> (Vec<Measure>, Tally) + 'a;
@@ -74,7 +81,7 @@ impl Pilot<'_> {
         let mut tally = Tally::default();
         let strata = match stratification {
             Stratification::Auto => self.refine(&mut tally),
-            _ => LightStrata::with_least_share(self.lights, stratification, self.least_share()),
+            _ => self.cut(stratification),
         };
         let by_power = (self.by_power)(&strata, self.mutations);
         if self.adaptation.weights == Weights::Power {
@@ -85,18 +92,23 @@ impl Pilot<'_> {
         Adapted { strata, shares, tally }
     }
 
-    fn least_share(&self) -> f64 {
-        (LEAST_CHAIN as f64 * self.classes as f64 / self.mutations).min(1.0)
+    /// The strata asked for. Where a round has no room for a useful chain in each, weak ones are joined.
+    fn cut(&self, stratification: Stratification) -> LightStrata {
+        let strata = LightStrata::new(self.lights, stratification);
+        let shortest = (LEAST_CHAIN as usize * self.classes) as f64 / self.mutations;
+        if strata.regions().len() as f64 * shortest <= MOST_IN_SHORT_CHAINS {
+            return strata;
+        }
+        LightStrata::with_least_share(self.lights, stratification, shortest.min(1.0))
     }
 
     /// Starts from a coarse cut by power; in each measurement halves the nodes that leave more than an average node's
     /// error at the best allocation, √(chain_error · cost), as long as there is room.
     fn refine(&self, tally: &mut Tally) -> LightStrata {
         let tree = LightTree::new(self.lights);
-        let least = self.least_share() * self.lights.power();
         let room = (self.mutations / self.classes as f64 / MUTATIONS_A_STRATUM) as usize;
         let most = room.clamp(1, FINE);
-        let mut nodes = tree.cut(COARSE.min(most), least);
+        let mut nodes = tree.cut(COARSE.min(most), 0.0);
         for level in 0..LEVELS {
             let strata = LightStrata::of_cut(self.lights, &tree, &nodes, 0.0);
             if nodes.len() >= most {
@@ -114,7 +126,8 @@ impl Pilot<'_> {
     }
 
     fn measure(&self, strata: &LightStrata, level: u64, tally: &mut Tally) -> Vec<Measure> {
-        let mut shares = (self.by_power)(strata, self.mutations.min(MOST_PILOT));
+        let mutations = (PILOT_SHARE * self.mutations).clamp(LEAST_PILOT, MOST_PILOT).min(self.mutations);
+        let mut shares = (self.by_power)(strata, mutations);
         for share in &mut shares {
             share.mutations = share.mutations.max(LEAST_CHAIN);
             share.samples = share.samples.max(share.mutations / 8);
