@@ -46,7 +46,7 @@ fn quad(name: &str, material: u32, centre: DVec3, a: DVec3, b: DVec3) -> Mesh {
 
 /// A staircase of mirrors, +x and +y in turn, that leads into a white room with a lamp beside the entrance.
 fn duct() -> (Scene, Camera) {
-    let direction = |i: usize| if i % 2 == 0 { DVec3::X } else { DVec3::Y };
+    let direction = |i: usize| if i.is_multiple_of(2) { DVec3::X } else { DVec3::Y };
     let mut meshes = Vec::new();
     let mut at = DVec3::ZERO;
     for i in 0..MIRRORS {

@@ -102,14 +102,19 @@ fn flip(reference: &Picture, picture: &Picture) -> Result<ErrorMap, FlipError> {
         let encoded = |image: &Image| flip_image(image, output::png::srgb_from_linear);
         return flip_rs::ldr_flip(&encoded(&reference.image)?, &encoded(&picture.image)?, DEFAULT_PPD);
     }
+    hdr_flip(&reference.image, &picture.image)
+}
+
+/// HDR-FLIP of two linear images.
+pub(crate) fn hdr_flip(reference: &Image, image: &Image) -> Result<ErrorMap, FlipError> {
     let mut options = HdrOptions::default();
     options.return_exposure_map = false;
-    if reference.image.luminance().iter().all(|&luminance| luminance <= 0.0) {
+    if reference.luminance().iter().all(|&luminance| luminance <= 0.0) {
         // A black reference does not say how to expose it.
         (options.start_exposure, options.stop_exposure) = (Some(0.0), Some(0.0));
     }
     let linear = |image: &Image| flip_image(image, |value| value);
-    Ok(flip_rs::hdr_flip(&linear(&reference.image)?, &linear(&picture.image)?, options)?.error_map)
+    Ok(flip_rs::hdr_flip(&linear(reference)?, &linear(image)?, options)?.error_map)
 }
 
 fn flip_image(image: &Image, curve: impl Fn(f32) -> f32) -> Result<RgbImage<f32>, FlipError> {

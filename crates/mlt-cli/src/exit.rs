@@ -52,7 +52,7 @@ impl Failure {
 }
 
 /// The part of clap's message before its usage lines, on one line and without the leading "error: ".
-fn one_sentence(text: &str) -> String {
+pub(crate) fn one_sentence(text: &str) -> String {
     let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|mark| text.find(mark)).min();
     let message = text[..end.unwrap_or(text.len())].trim().trim_start_matches("error: ");
     message

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 pub mod args;
+pub mod bench;
 pub mod diff;
 mod exit;
 pub mod image;
@@ -38,5 +39,6 @@ fn run(cli: &args::Cli) -> Result<(), Failure> {
     match &cli.command {
         args::Command::Render(options) => render::run(options),
         args::Command::Diff(options) => diff::run(options),
+        args::Command::Bench(options) => bench::run(options),
     }
 }

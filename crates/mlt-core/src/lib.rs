@@ -1,13 +1,98 @@
 //! Stratified Metropolis light transport.
 //!
-//! The crate has layers, and dependencies point one way, upwards in this list:
+//! The state space Ω (all light paths, say) is cut into strata Ω_1 … Ω_K. With a contribution f, an importance I ≥ 0, the
+//! filter h_p of site p, and b_j = ∫_{Ω_j} I, the film is estimated as
 //!
-//! * [`engine`]: Metropolis sampling of any state space cut into strata, as traits;
-//! * [`primary`]: states that are the random numbers of any sampler, for the engine;
-//! * [`transport`]: a renderer that is one user of those traits (feature `transport`).
+//! ```text
+//! image(p) = ∫ h_p f = Σ_j b_j · E_{x ~ I/b_j on Ω_j} [ h_p(x) f(x) / I(x) ]
+//! b̂_j      = mean importance weight of m_j independent samples of Ω_j
+//! x_0      = one of those samples, drawn in proportion to its weight
+//! x_{i+1}  = y ~ T(x_i → y) with probability min(1, I_j(y) T(y→x_i) / (I_j(x_i) T(x_i→y))), else x_i
+//! round(p) = Σ_j b̂_j / n_j · Σ_i h_p(x_i) f(x_i) / I(x_i),   image = mean of independent rounds
+//! ```
+//!
+//! Every round is unbiased, however short its chains; the scatter of the rounds is the error bar of each pixel.
+//!
+//! # Modules
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`engine`] | Metropolis sampling of any state space, as traits. It knows no vector, no scene, no light. |
+//! | [`measure`] | Measures of the error of an image against a reference. |
+//! | [`primary`] | States that are the random numbers of any sampler, for the engine. |
+//! | `transport` | A renderer that is one user of those traits (feature `transport`, on by default). |
+//!
+//! In [`engine`]: what you bring ([`Path`](engine::Path), [`Importance`](engine::Importance),
+//! [`Mutation`](engine::Mutation), [`Stratum`](engine::Stratum)), what drives it ([`Metropolis`](engine::Metropolis),
+//! [`Mixture`](engine::Mixture), [`render`](engine::render)), and what comes out ([`Film`](engine::Film),
+//! [`Tally`](engine::Tally)). Dependencies point one way, from `transport` to `engine`.
+//!
+//! # A toy
+//!
+//! ∫ x² over [0, 1) from two strata; the film is a single site.
+//!
+//! ```
+//! use mlt_core::engine::{Film, Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, Tally, render, uniform};
+//! use mlt_core::rand_core::Rng;
+//! use std::ops::ControlFlow;
+//!
+//! #[derive(Clone)]
+//! struct X(f64);
+//!
+//! impl Path for X {
+//!     type Splat = Splat<1>;
+//!     fn splats(&self) -> impl Iterator<Item = Splat<1>> {
+//!         std::iter::once(Splat { site: 0, value: [self.0 * self.0] })
+//!     }
+//! }
+//!
+//! /// Ω_j = [low, low + ½).
+//! struct Half { low: f64 }
+//!
+//! impl Stratum<X> for Half {
+//!     fn contains(&self, x: &X) -> bool {
+//!         (self.low..self.low + 0.5).contains(&x.0)
+//!     }
+//!     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&X, f64)) {
+//!         visit(&X(self.low + 0.5 * uniform(rng)), 0.5); // uniform in the half: 1/p = ½
+//!     }
+//!     fn power(&self) -> f64 {
+//!         1.0
+//!     }
+//! }
+//!
+//! struct Nudge;
+//!
+//! impl Mutation<X, Half> for Nudge {
+//!     fn name(&self) -> &'static str {
+//!         "nudge"
+//!     }
+//!     fn propose(&self, x: &X, y: &mut X, _: &Half, rng: &mut impl Rng) -> Option<f64> {
+//!         y.0 = (x.0 + 0.4 * (uniform(rng) - 0.5)).rem_euclid(1.0);
+//!         Some(1.0) // T(y→x) / T(x→y)
+//!     }
+//! }
+//!
+//! let metropolis = Metropolis {
+//!     strata: &[Half { low: 0.0 }, Half { low: 0.5 }],
+//!     shares: &[Share { mutations: 100, samples: 50 }; 2],
+//!     mixture: &Mixture::new(vec![Nudge]),
+//!     importance: &|x: &X| x.0, // any positive function will do; the better it follows f, the less noise
+//!     seed: 7,
+//!     work: || 0,
+//! };
+//! let (mut film, mut tally) = (Film::new(1, 1.0), Tally::default());
+//! render(&metropolis, 0..400, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+//! let [pixel] = film.pixel(0);
+//! assert!((pixel.mean - 1.0 / 3.0).abs() < 4.0 * pixel.stderr);
+//! assert!(pixel.stderr < 0.002);
+//! ```
 
 pub mod engine;
 pub mod measure;
 pub mod primary;
 #[cfg(feature = "transport")]
 pub mod transport;
+
+/// The trait of random generators that the engine's signatures name.
+pub use rand_pcg::rand_core;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+pub mod bench;
 pub mod render;
 pub mod values;
 
@@ -23,6 +24,8 @@ pub enum Command {
     Render(Box<render::RenderOptions>),
     /// Measure how far images are from a reference
     Diff(DiffOptions),
+    /// Chart the error of methods against time, rays and mutations
+    Bench(Box<bench::BenchOptions>),
 }
 
 /// Options of `mlt diff`.

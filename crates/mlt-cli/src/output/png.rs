@@ -61,7 +61,7 @@ fn encoded(linear: f64) -> f64 {
 }
 
 /// [`srgb_from_linear`]'s inverse on 0…1.
-fn linear_from_srgb(encoded: f32) -> f32 {
+pub(crate) fn linear_from_srgb(encoded: f32) -> f32 {
     let encoded = f64::from(encoded);
     let linear = if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
     linear as f32

@@ -39,7 +39,7 @@ fn targets(options: &RenderOptions, setup: &Setup) -> Vec<OutputFile> {
 
 /// The image and its standard errors; `None` where one round tells nothing of them.
 #[allow(clippy::type_complexity)]
-fn develop(mut film: Film<3>, setup: &Setup) -> anyhow::Result<(Image, Option<Vec<[f32; 3]>>)> {
+pub fn develop(mut film: Film<3>, setup: &Setup) -> anyhow::Result<(Image, Option<Vec<[f32; 3]>>)> {
     film.finish();
     let [width, height] = setup.camera.size().map(|n| n as usize);
     let pixels = || (0..film.sites() as usize).map(|i| film.pixel(i));

@@ -9,7 +9,7 @@ use std::{io::Write, time::Duration};
 
 use anyhow::Context;
 
-use crate::{Failure, args::render::RenderOptions, print, report::Report, warn};
+use crate::{Failure, args::render::RenderOptions, image::Image, interrupt::Interrupt, print, report::Report, warn};
 
 pub(crate) use plan::Plan;
 pub(crate) use setup::Setup;
@@ -24,11 +24,29 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     }
     let threads = options.threads.map_or(0, std::num::NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("cannot start the threads")?;
-    let finished = pool.install(|| session::run(options, &setup, plan))?;
+    let interrupt = Interrupt::install()?;
+    let finished = pool.install(|| session::run(options, &setup, plan, &interrupt))?;
     let interrupted = finished.report.interrupted;
     let report = files::write(options, &setup, finished)?;
     show(options, &report)?;
     if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// An image in memory, and how it came about.
+pub(crate) struct Rendered {
+    /// The pixels.
+    pub image: Image,
+    /// Their standard errors; `None` where one round tells nothing of them.
+    pub stderr: Option<Vec<[f32; 3]>>,
+    /// What the render tells about itself.
+    pub report: Report,
+}
+
+/// Renders on the current rayon pool and writes nothing.
+pub(crate) fn in_memory(options: &RenderOptions, setup: &Setup, interrupt: &Interrupt) -> Result<Rendered, Failure> {
+    let finished = session::run(options, setup, Plan::new(options), interrupt)?;
+    let (image, stderr) = files::develop(finished.film, setup)?;
+    Ok(Rendered { image, stderr, report: finished.report })
 }
 
 fn announce(plan: &Plan) {

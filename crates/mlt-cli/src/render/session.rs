@@ -45,14 +45,14 @@ pub struct Finished {
 }
 
 /// Renders on the current rayon pool.
-pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan) -> Result<Finished, Failure> {
-    let interrupt = Interrupt::install()?;
+pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Interrupt) -> Result<Finished, Failure> {
     let (start, cpu) = (Instant::now(), cpu_seconds());
     let view = View { scene: &setup.scene, camera: &setup.camera };
     let per_pixel = plan.per_pixel.unwrap_or_else(|| measured(options, view, &plan));
     let renderer = Renderer::new(view, settings(options, per_pixel));
     let (mut film, mut counts) = (renderer.film(), Counts::default());
-    let mut ending = Ending { plan, interrupt, start, round: Instant::now(), longest: Duration::ZERO };
+    let mut ending =
+        Ending { plan, interrupt: interrupt.clone(), start, round: Instant::now(), longest: Duration::ZERO };
     let progress = Progress::new(ending.steps(), options.quiet);
     let pixels = f64::from(setup.camera.pixels());
     let first = options.first_round;
@@ -249,6 +249,8 @@ fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
     );
     warn(strata > 0, format!("{strata} strata have a b that is uncertain by more than 5 %; take more mutations"));
     warn(non_finite > 0, format!("{non_finite} paths had an importance that is not finite; they are left out"));
+    let refused: u64 = counts.strata.iter().map(|s| s.refused_starts).sum();
+    warn(refused > 0, format!("{refused} chains could not start; what they would have added is missing"));
     warn(film.lost() > 0, format!("{} contributions were not finite; they are left out", film.lost()));
     warn(longest > STUCK, format!("a chain was stuck for {longest} mutations; the image may have bright spots"));
     warn(dark, "the image is black: no path from a light to the camera was found".into());

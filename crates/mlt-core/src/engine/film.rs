@@ -27,18 +27,27 @@ struct Sums {
     second: i128,
 }
 
+impl Sums {
+    /// Adds a round. Squares that do not fit stay at the largest integer, in any order of the rounds, since none is negative.
+    #[inline]
+    fn add(&mut self, value: f64, weight: i128) {
+        self.first = self.first.saturating_add(quantise(value).saturating_mul(weight));
+        self.second = self.second.saturating_add(quantise(value * value).saturating_mul(weight));
+    }
+}
+
 /// Mean and standard error of one channel of one site.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
     /// Σ w X / Σ w over the rounds.
     pub mean: f64,
-    /// Standard error of `mean`; infinite with fewer than two rounds.
+    /// Standard error of `mean`; infinite with fewer than two rounds and where the squares left their range.
     pub stderr: f64,
 }
 
 impl<const C: usize> Film<C> {
-    /// A black film. `unit` is a typical value of a site, right to within a factor of 10⁹: it sets the quantum of the
-    /// sums, 2⁻⁶⁰ units, and their range, ±2⁶⁷ units.
+    /// A black film. `unit` is a typical value of a site, right to within a factor of 10⁶: it sets the quanta of the
+    /// sums, 2⁻⁶⁰ units and 2⁻⁶⁰ units², and their ranges, 2⁶⁷ units and units².
     pub fn new(sites: u32, unit: f64) -> Self {
         let unit = if unit.is_normal() && unit > 0.0 { libm::exp2(libm::floor(libm::log2(unit))) } else { 1.0 };
         let n = sites as usize;
@@ -86,8 +95,7 @@ impl<const C: usize> Film<C> {
         bands.for_each(|(round, sums)| {
             for (x, s) in round.iter_mut().flatten().zip(sums.iter_mut().flatten()) {
                 let value = std::mem::take(x) * scale;
-                s.first += i128::from(weight) * quantise(value);
-                s.second += i128::from(weight) * quantise(value * value);
+                s.add(value, i128::from(weight));
             }
         });
         self.weight += weight;
@@ -111,8 +119,8 @@ impl<const C: usize> Film<C> {
             return false;
         }
         for (a, b) in self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()) {
-            a.first += b.first;
-            a.second += b.second;
+            a.first = a.first.saturating_add(b.first);
+            a.second = a.second.saturating_add(b.second);
         }
         self.weight += other.weight;
         self.rounds += other.rounds;
@@ -131,7 +139,8 @@ impl<const C: usize> Film<C> {
             let w = self.weight as f64;
             let (mean, square) = (dequantise(s.first) / w, dequantise(s.second) / w);
             let variance = (square - mean * mean).max(0.0) / (self.rounds as f64 - 1.0);
-            let stderr = if self.rounds < 2 { f64::INFINITY } else { variance.sqrt() * self.unit };
+            let unknown = self.rounds < 2 || s.second == i128::MAX;
+            let stderr = if unknown { f64::INFINITY } else { variance.sqrt() * self.unit };
             Pixel { mean: mean * self.unit, stderr }
         })
     }
@@ -144,7 +153,8 @@ const QUANTA: f64 = (1u64 << 60) as f64;
 fn quantise(x: f64) -> i128 {
     let scaled = x * QUANTA;
     // Most values fit 64 bits, whose conversion is one instruction.
-    if scaled.abs() < 9.0e18 { i128::from(scaled as i64) } else { scaled as i128 }
+    let nearest = scaled + 0.5f64.copysign(scaled);
+    if nearest.abs() < 9.0e18 { i128::from(nearest as i64) } else { nearest as i128 }
 }
 
 fn dequantise(sum: i128) -> f64 {
@@ -195,6 +205,15 @@ mod tests {
         rounds(&mut film, &[(f64::NAN, 1), (1.0, 1)]);
         assert_eq!(film.lost(), 2);
         assert_eq!(film.pixel(1)[0].mean, 0.5);
+    }
+
+    #[test]
+    fn squares_out_of_range_make_the_error_unknown_and_not_zero() {
+        let mut film = Film::<1>::new(2, 1.0);
+        rounds(&mut film, &[(1e11, 1), (3e11, 1)]);
+        let [pixel] = film.pixel(1);
+        assert!((pixel.mean / 2e11 - 1.0).abs() < 1e-6);
+        assert_eq!(pixel.stderr, f64::INFINITY);
     }
 
     #[test]

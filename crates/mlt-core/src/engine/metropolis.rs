@@ -167,10 +167,13 @@ where
         let scale = prepared.bootstraps[stratum].b() / self.shares[stratum].mutations as f64;
         let mut rng: Generator = stream(Purpose::Chain);
         let mut stats = StratumStats::default();
-        if let Some(mut chain) = chain {
-            (0..mutations).for_each(|_| chain.step(deposits, scale, &mut rng));
-            chain.flush(deposits, scale);
-            stats = chain.into_stats();
+        match chain {
+            Some(mut chain) => {
+                (0..mutations).for_each(|_| chain.step(deposits, scale, &mut rng));
+                chain.flush(deposits, scale);
+                stats = chain.into_stats();
+            }
+            None => stats.refused_starts = 1,
         }
         Tally { strata: vec![stats], work: (self.work)() - before }
     }

@@ -52,6 +52,8 @@ pub struct StratumStats {
     pub non_finite_samples: u64,
     /// Rounds in which no sample had a positive weight: they ran no chain here.
     pub dark_rounds: u64,
+    /// Chains that could not start because their first state, made again, had no importance: their share is missing.
+    pub refused_starts: u64,
 }
 
 impl StratumStats {
@@ -91,5 +93,6 @@ impl StratumStats {
         self.weight_squares += other.weight_squares;
         self.non_finite_samples += other.non_finite_samples;
         self.dark_rounds += other.dark_rounds;
+        self.refused_starts += other.refused_starts;
     }
 }

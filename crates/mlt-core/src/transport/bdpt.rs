@@ -36,44 +36,66 @@ pub struct Bidirectional<'a> {
 
 /// Subpaths and the path being connected; kept between samples for their memory.
 #[derive(Default)]
-struct Scratch {
-    light: Subpath,
-    light_point: LightPoint,
+pub(super) struct Scratch {
+    pub(super) light: Subpath,
+    pub(super) light_point: LightPoint,
     /// Filled from the end.
-    eye: Subpath,
+    pub(super) eye: Subpath,
     path: LightPath,
 }
 
-/// Vertices and the probability that roulette let the subpath come so far.
+/// A subpath and what it carries to each of its vertices, in the order in which they were traced.
 #[derive(Default)]
-struct Subpath {
-    vertices: Vec<PathVertex>,
-    survival: Vec<f64>,
+pub(super) struct Subpath {
+    pub(super) vertices: Vec<PathVertex>,
+    carried: Vec<Carried>,
+}
+
+/// What a subpath carries to a vertex.
+#[derive(Clone, Copy)]
+pub(super) struct Carried {
+    /// Contribution over density so far, roulette included.
+    pub(super) throughput: DVec3,
+    /// Probability that roulette let it come so far.
+    survival: f64,
+    /// Σ of (p_i/p_s)² over the techniques that share this vertex's neighbour but one: see [`mis`].
+    pub(super) others: f64,
 }
 
 impl Subpath {
-    /// Empties it and makes room for `most` vertices.
-    fn reset(&mut self, most: usize, any: PathVertex) {
+    /// Empties it, makes room for `most` vertices, and starts with the first one's throughput.
+    fn reset(&mut self, most: usize, any: PathVertex, throughput: f64) {
         if self.vertices.len() < most {
             self.vertices.resize(most, any);
         }
-        self.survival.clear();
-        self.survival.push(1.0);
+        self.carried.clear();
+        self.carried.push(Carried { throughput: DVec3::splat(throughput), survival: 1.0, others: 0.0 });
     }
 
-    /// Decides by roulette whether to go on with a subpath that carries `throughput`; returns whether.
-    fn survives(&mut self, throughput: &mut DVec3, rng: &mut impl Rng) -> bool {
-        let survival = self.survival[self.survival.len() - 1];
-        let go_on = if self.survival.len() < CERTAIN_VERTICES {
+    /// What comes to the last of the first `n` vertices.
+    pub(super) fn carried(&self, n: usize) -> Carried {
+        self.carried[n - 1]
+    }
+
+    /// Number of vertices.
+    pub(super) fn len(&self) -> usize {
+        self.carried.len()
+    }
+
+    /// Takes in a vertex to which the throughput changes by `factor`, unless roulette ends the subpath before it;
+    /// returns whether it goes on. `certain`: the throughput that counts as 1 in roulette.
+    fn extend(&mut self, factor: DVec3, others: f64, certain: f64, rng: &mut impl Rng) -> bool {
+        let Carried { throughput, survival, .. } = self.carried[self.carried.len() - 1];
+        let throughput = throughput * factor;
+        let go_on = if self.carried.len() < CERTAIN_VERTICES {
             1.0
         } else {
-            throughput.max_element().clamp(LEAST_SURVIVAL, MOST_SURVIVAL)
+            (throughput.max_element() / certain).clamp(LEAST_SURVIVAL, MOST_SURVIVAL)
         };
         if go_on < 1.0 && uniform(rng) >= go_on {
             return false;
         }
-        *throughput /= go_on;
-        self.survival.push(survival * go_on);
+        self.carried.push(Carried { throughput: throughput / go_on, survival: survival * go_on, others });
         true
     }
 }
@@ -94,11 +116,7 @@ impl Bidirectional<'_> {
     /// As [`sample`](Self::sample), with the camera subpath through a given point of the image. Weights are those of a
     /// uniform point, so a mean over stratified points stays right.
     pub fn sample_at(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
-        SCRATCH.with_borrow_mut(|scratch| {
-            self.trace_eye(image, &mut scratch.eye, rng);
-            self.trace_light(scratch, rng);
-            self.connect_all(scratch, visit);
-        });
+        self.with_subpaths(image, rng, |scratch, _| self.connect_all(scratch, visit));
     }
 
     /// As [`sample`](Self::sample), with random numbers for each subpath from a generator of its own.
@@ -117,55 +135,73 @@ impl Bidirectional<'_> {
     }
 
     fn connect_all(&self, scratch: &mut Scratch, visit: &mut impl FnMut(&LightPath, f64)) {
-        let (lights, eyes) = (scratch.light.survival.len(), scratch.eye.survival.len());
+        let (lights, eyes) = (scratch.light.len(), scratch.eye.len());
         for t in 1..=eyes {
             for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
-                let light_survival = if s == 0 { 1.0 } else { scratch.light.survival[s - 1] };
+                let light_survival = if s == 0 { 1.0 } else { scratch.light.carried(s).survival };
                 if let Some(weight) = self.connect(scratch, s, t) {
-                    visit(&scratch.path, weight / (light_survival * scratch.eye.survival[t - 1]));
+                    visit(&scratch.path, weight / (light_survival * scratch.eye.carried(t).survival));
                 }
             }
         }
     }
 
-    /// Traces the light subpath; its survival has one entry a vertex.
+    /// Traces two subpaths, the camera's through a given point of the image, and hands them over.
+    pub(super) fn with_subpaths<R: Rng>(&self, image: Vec2, rng: &mut R, use_them: impl FnOnce(&mut Scratch, &mut R)) {
+        SCRATCH.with_borrow_mut(|scratch| {
+            // The light subpath's first numbers come first, so that they are the same coordinates in every sample.
+            self.trace_light(scratch, rng);
+            self.trace_eye(image, &mut scratch.eye, rng);
+            use_them(scratch, rng);
+        });
+    }
+
     fn trace_light(&self, scratch: &mut Scratch, rng: &mut impl Rng) {
         let (first, point) = start_at_light(&self.view, self.region, rng);
         let Scratch { light, light_point, .. } = scratch;
         *light_point = point;
-        light.reset(self.max_edges, first);
+        let power = self.region.power();
+        light.reset(self.max_edges, first, power / first.forward);
         light.vertices[0] = first;
-        let mut throughput = DVec3::ONE;
+        let mut certain = 1.0;
         for i in 0..self.max_edges - 1 {
             let traced = step_from_light(&mut light.vertices, i, &self.view, rng)
                 .and_then(|()| set_scattering(&mut light.vertices, i, &self.view));
-            let [x, y] = [light.vertices[i], light.vertices[i + 1]];
-            if i > 0 {
-                throughput *= x.scatter.as_dvec3() * (geometric_term(&x, &y.vertex) / y.forward);
+            if traced.is_none() {
+                return;
             }
-            if traced.is_none() || !light.survives(&mut throughput, rng) {
+            let [x, y] = [&light.vertices[i], &light.vertices[i + 1]];
+            let factor = x.scatter.as_dvec3() * (geometric_term(x, &y.vertex) / y.forward);
+            if i == 0 {
+                certain = light.carried[0].throughput.x * factor.max_element();
+            }
+            let others =
+                i.checked_sub(1).map_or(0.0, |j| mis::from_light(&light.vertices, j, power, light.carried[i].others));
+            if !light.extend(factor, others, certain, rng) {
                 return;
             }
         }
     }
 
-    /// Traces the camera subpath.
     fn trace_eye(&self, image: Vec2, eye: &mut Subpath, rng: &mut impl Rng) {
         let camera = PathVertex::new(self.view.camera.vertex());
-        eye.reset(self.max_edges + 1, camera);
+        eye.reset(self.max_edges + 1, camera, 1.0);
         let last = eye.vertices.len() - 1;
         eye.vertices[last] = camera;
-        let mut throughput = DVec3::ONE;
         for i in (last - self.max_edges + 1..=last).rev() {
             let step = if i == last {
                 start_at_eye(&mut eye.vertices, i, image, &self.view)
             } else {
                 step_from_eye(&mut eye.vertices, i, &self.view, rng)
             };
-            let traced = step.and_then(|()| set_scattering(&mut eye.vertices, i, &self.view));
-            let [x, y] = [eye.vertices[i], eye.vertices[i - 1]];
-            throughput *= x.scatter.as_dvec3() * (geometric_term(&y, &x.vertex) / y.reverse);
-            if traced.is_none() || !eye.survives(&mut throughput, rng) {
+            if step.and_then(|()| set_scattering(&mut eye.vertices, i, &self.view)).is_none() {
+                return;
+            }
+            let [x, y] = [&eye.vertices[i], &eye.vertices[i - 1]];
+            let factor = x.scatter.as_dvec3() * (geometric_term(y, &x.vertex) / y.reverse);
+            let others =
+                if i + 1 < last { mis::from_eye(&eye.vertices, i + 1, eye.carried[last - i].others) } else { 0.0 };
+            if !eye.extend(factor, others, 1.0, rng) {
                 return;
             }
         }

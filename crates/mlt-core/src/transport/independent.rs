@@ -40,8 +40,9 @@ impl ImageSampler for Bidirectional<'_> {
     }
 
     fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng) {
-        self.sample_at(image, rng, &mut |path, density| {
-            sink.deposit(Splat { site: path.pixel, value: path.contribution.to_array() }, weight * density);
+        let cutoff = std::env::var("CUT").map_or(0.0, |x| x.parse::<f64>().unwrap());
+        self.sample_image(image, cutoff, rng, &mut |site, value| {
+            sink.deposit(Splat { site, value: value.to_array() }, weight);
         });
     }
 }

@@ -10,8 +10,8 @@ const SEQUENCE: u64 = 1 << 16;
 
 /// The coordinates of one point of an Owen-scrambled Sobol sequence, as a stream of numbers.
 ///
-/// Each number drawn, of 32 or of 64 bits, is the next coordinate. Four at a time are stratified jointly, and pairs that
-/// begin at an even coordinate are stratified in the plane. After the last of 256 coordinates the stream goes on
+/// Each number drawn, of 32 or of 64 bits, is the next coordinate. Each coordinate is stratified by itself, the first two
+/// also in the plane, and more of them jointly the longer the sequence. After the last of 256 coordinates the stream goes on
 /// with independent numbers.
 ///
 /// Source: [Burley20], "Practical Hash-Based Owen Scrambling", JCGT; by the crate `sobol_burley`.
@@ -75,24 +75,25 @@ mod tests {
     use super::*;
     use crate::engine::uniform_f32;
 
-    /// Points in each cell of a 16×16 grid, in coordinates `first` and `first` + 1, of 256 points.
-    fn occupancy(first: u32, point: impl Fn(u64) -> OwenSobol) -> Vec<u32> {
+    /// Points in each of 256 cells, columns by rows, of 256 points, from coordinate `first` on.
+    fn occupancy(columns: usize, first: u32, point: impl Fn(u64) -> OwenSobol) -> Vec<u32> {
+        let rows = 256 / columns;
         let mut cells = vec![0; 256];
         for mut rng in (0..256).map(point) {
             (0..first).for_each(|_| _ = rng.next_u32());
             let (x, y) = (uniform_f32(&mut rng), uniform_f32(&mut rng));
-            cells[(16.0 * y) as usize * 16 + (16.0 * x) as usize] += 1;
+            cells[(rows as f32 * y) as usize * columns + (columns as f32 * x) as usize] += 1;
         }
         cells
     }
 
     #[test]
-    fn pairs_of_coordinates_are_stratified_in_the_plane() {
-        for first in [0, 2, 4, 30] {
-            assert!(occupancy(first, |i| OwenSobol::new(7, i)).iter().all(|&n| n == 1), "from coordinate {first}");
-        }
+    fn coordinates_are_stratified() {
+        let once = |cells: Vec<u32>| cells.iter().all(|&n| n == 1);
+        assert!([16, 4, 64].map(|columns| once(occupancy(columns, 0, |i| OwenSobol::new(7, i)))).iter().all(|&b| b));
+        assert!((0..40).all(|first| once(occupancy(256, first, |i| OwenSobol::new(7, i)))));
         // Points of different sequences are not.
-        assert!(occupancy(0, |i| OwenSobol::new(i << 20 | i, 0)).iter().any(|&n| n != 1));
+        assert!(!once(occupancy(256, 0, |i| OwenSobol::new(i << 20 | i, 0))));
     }
 
     #[test]

@@ -42,3 +42,32 @@ pub(super) fn weight(vertices: &[PathVertex], s: usize, power: f64) -> f64 {
     }
     1.0 / sum
 }
+
+/// Σ_{i ≤ j} (p_i/p_{j+1})² for a light subpath, from the same sum up to j − 1, `before`:
+/// S_j = (reverse_j/forward_j)² (c_j + S_{j−1}), with c_j = 1 if x_{j−1} and x_j may be connected, else 0.
+///
+/// Source: the recursion of [Georgiev12], "Implementing Vertex Connection and Merging", for the power heuristic.
+#[inline]
+pub(super) fn from_light(vertices: &[PathVertex], j: usize, power: f64, before: f64) -> f64 {
+    let x = &vertices[j];
+    let forward = if j == 0 { x.forward / power } else { x.forward };
+    square(x.reverse / forward) * (allowed(vertices, j) + before)
+}
+
+/// Σ_{i > j} (p_i/p_j)² for a camera subpath, from the same sum from j + 1, `before`:
+/// E_j = (forward_j/reverse_j)² (c_{j+1} + E_{j+1}).
+#[inline]
+pub(super) fn from_eye(vertices: &[PathVertex], j: usize, before: f64) -> f64 {
+    let x = &vertices[j];
+    square(x.forward / x.reverse) * (allowed(vertices, j + 1) + before)
+}
+
+#[inline]
+fn allowed(vertices: &[PathVertex], s: usize) -> f64 {
+    f64::from(u8::from(connectible(vertices, s)))
+}
+
+#[inline]
+fn square(x: f64) -> f64 {
+    x * x
+}

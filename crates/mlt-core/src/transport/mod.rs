@@ -4,6 +4,7 @@ pub mod accel;
 pub mod bdpt;
 pub mod bsdf;
 pub mod camera;
+mod connect;
 pub mod description;
 pub mod independent;
 pub mod light;
@@ -26,6 +27,10 @@ pub mod strata;
 pub mod stratum;
 mod subpath;
 mod surface;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
 pub mod vertex;
 
 /// Linear Rec. 709 colour: radiance in W·sr⁻¹·m⁻², or a dimensionless reflectance.

@@ -210,6 +210,6 @@ pub(super) fn geometric_term(from: &PathVertex, to: &Vertex) -> f64 {
 
 /// A density per solid angle along `edge` as a density per area at `target`, one of its two ends.
 #[inline]
-fn per_area(pdf: f32, edge: &PathVertex, target: &Vertex) -> f64 {
+pub(super) fn per_area(pdf: f32, edge: &PathVertex, target: &Vertex) -> f64 {
     f64::from(pdf) * f64::from(target.geometric_normal.dot(edge.to_eye).abs()) * f64::from(edge.inverse_square)
 }

@@ -65,13 +65,13 @@ impl LightRegion {
         &self.cells
     }
 
-    /// A point with density M/power per area, from two uniform numbers.
+    /// A point with density M/power per area, from two uniform numbers; never on a cell's upper bounds.
     pub fn sample(&self, u: f64, v: f64) -> LightPoint {
         let i = self.cumulative.partition_point(|&c| c <= u).min(self.cells.len() - 1);
         let low = if i == 0 { 0.0 } else { self.cumulative[i - 1] };
         let Cell { light, low: corner, high } = self.cells[i];
-        let u = ((u - low) / (self.cumulative[i] - low)).clamp(0.0, 1.0 - f64::EPSILON);
+        let u = ((u - low) / (self.cumulative[i] - low)).max(0.0);
         let p = corner + DVec2::new(u, v) * (high - corner);
-        LightPoint { light, u: p.x, v: p.y }
+        LightPoint { light, u: p.x.min(high.x.next_down()), v: p.y.min(high.y.next_down()) }
     }
 }

@@ -53,7 +53,7 @@ struct Primitive {
 
 const FLAT: u32 = u32::MAX;
 
-/// Triangles, materials and lights, in coordinates of the renderer's own ([`Space`]).
+/// Triangles, materials and lights, in coordinates of the renderer's own.
 pub struct Scene {
     accel: Accel,
     primitives: Vec<Primitive>,

@@ -52,8 +52,21 @@ impl LightStrata {
     #[inline]
     pub fn index(&self, point: &LightPoint) -> u32 {
         let (first, nu, nv) = self.grids[point.light as usize];
-        let cell = |x: f64, n: u32| ((x * f64::from(n)) as u32).min(n - 1);
         first + cell(point.v, nv) * nu + cell(point.u, nu)
+    }
+}
+
+/// Index of the interval [i/n, (i+1)/n) that x lies in, bounds rounded as the regions' are.
+#[inline]
+fn cell(x: f64, n: u32) -> u32 {
+    let bound = |i: u32| f64::from(i) / f64::from(n);
+    let i = ((x * f64::from(n)) as u32).min(n - 1);
+    if x < bound(i) {
+        i - 1
+    } else if i + 1 < n && x >= bound(i + 1) {
+        i + 1
+    } else {
+        i
     }
 }
 

@@ -28,7 +28,13 @@ pub(super) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View
         0 => view.scene.sample_emission(x, rng),
         _ => view.scene.sample(x, -vertices[i - 1].to_eye, rng)?,
     };
-    vertices[i + 1] = PathVertex::new(view.scene.trace(x, direction)?);
+    follow_from_light(vertices, i, direction, view)
+}
+
+/// Follows a direction from x_i to x_{i+1}, and sets the edge between them.
+#[inline]
+pub(super) fn follow_from_light(vertices: &mut [PathVertex], i: usize, direction: Vec3, view: &View) -> Option<()> {
+    vertices[i + 1] = PathVertex::new(view.scene.trace(&vertices[i].vertex, direction)?);
     set_edge(vertices, i)
 }
 

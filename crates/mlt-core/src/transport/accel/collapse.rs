@@ -3,10 +3,12 @@
 //! Let A(n) be the half area of node n's box and N(n) its number of triangles. C(n, m) is the least cost of standing for
 //! n's subtree by at most m boxes of a wide node above it:
 //!
-//!     leaf(n)   = A(n) · c_block · ⌈N(n) / 8⌉                        if N(n) ≤ 16
-//!     inner(n)  = A(n) · c_node + min over i + j = 8 of C(left, i) + C(right, j)
-//!     C(n, 1)   = min(leaf(n), inner(n))
-//!     C(n, m)   = min(C(n, m − 1), min over i + j = m of C(left, i) + C(right, j))
+//! ```text
+//! leaf(n)   = A(n) · c_block · ⌈N(n) / 8⌉                        if N(n) ≤ 16
+//! inner(n)  = A(n) · c_node + min over i + j = 8 of C(left, i) + C(right, j)
+//! C(n, 1)   = min(leaf(n), inner(n))
+//! C(n, m)   = min(C(n, m − 1), min over i + j = m of C(left, i) + C(right, j))
+//! ```
 //!
 //! Source: [YlitieKarrasLaine17], section 2.1, with blocks of triangles for leaves.
 

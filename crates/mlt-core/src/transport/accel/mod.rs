@@ -2,10 +2,10 @@
 //!
 //! Three steps, one file each:
 //!
-//! * [`binary`]: obvhs builds a binary tree over the triangles, one to a leaf (the only file that names obvhs);
-//! * [`collapse`]: dynamic programming folds it into the cheapest 8-wide tree ([`wide`] is its layout);
-//! * [`traverse`]: a ray walks that tree, eight boxes or eight triangles at a time ([`simd`] is the arithmetic,
-//!   [`watertight`] the triangle test and the accurate hit).
+//! * `binary`: a library builds a binary tree over the triangles, one to a leaf (the only file that names it);
+//! * `collapse`: dynamic programming folds it into the cheapest 8-wide tree (`wide` is its layout);
+//! * `traverse`: a ray walks that tree, eight boxes or eight triangles at a time (`simd` is the arithmetic,
+//!   `watertight` the triangle test and the accurate hit).
 //!
 //! What callers may rely on:
 //!
@@ -56,7 +56,8 @@ impl Accel {
     /// Builds over `triangles`; empty input is a structure that nothing hits.
     ///
     /// Triangles with a NaN, an infinity or a coordinate beyond ±10¹⁸ are left out. Of triangles with the same three
-    /// vertices, in any order, only the first can be hit.
+    /// vertices, in any order, only the first can be hit. Takes n log n time, but n² where n boxes are nested one in the
+    /// other.
     pub fn with_quality(triangles: &[[Vec3; 3]], quality: Quality) -> Self {
         let indices = binary::usable(triangles);
         let nodes = binary::build(triangles, &indices, quality);
@@ -65,6 +66,7 @@ impl Accel {
 
     /// The nearest hit with 0 < t ≤ t_max.
     ///
+    /// The test rounds: from an origin on a triangle its t can come out as a tiny positive number instead of zero.
     /// None, too, for a ray with a zero or non-finite direction, or an origin that is not finite or beyond ±10¹⁸.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let candidate = traverse::closest(self.instructions, &self.tree, ray)?;

@@ -56,7 +56,7 @@ pub trait Simd: Copy {
     fn bits(self, mask: Self::Mask) -> u32;
 }
 
-/// Each x in every lane of its own register; an [`array::map`] of closures would not be inlined.
+/// Each x in every lane of its own register; `map` over an array would not be inlined.
 #[inline(always)]
 pub fn splat3<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> [S::Floats; 3] {
     [simd.splat(x), simd.splat(y), simd.splat(z)]

@@ -85,14 +85,14 @@ pub fn refine(block: &TriangleBlock, ray: &Ray, candidate: &Candidate) -> Hit {
     let [x, y, z] = cyclic_axes(ray.direction);
     let reciprocal = 1.0 / f64::from(ray.direction[z]);
     let shear = DVec2::new(ray.direction[x].into(), ray.direction[y].into()) * reciprocal;
-    let vertex = |i: usize| {
-        let moved =
-            |axis: usize| f64::from(block.vertices[i][axis].0[candidate.lane as usize]) - f64::from(ray.origin[axis]);
-        (DVec2::new(moved(x), moved(y)) - shear * moved(z), moved(z))
-    };
-    let [(a, a_z), (b, b_z), (c, c_z)] = [vertex(0), vertex(1), vertex(2)];
-    let [w, u, v] = weights_at_origin([a, b, c]);
-    let t = ((w * a_z + u * b_z + v * c_z) * reciprocal) as f32;
+    let (mut corners, mut depths) = ([DVec2::ZERO; 3], [0.0; 3]);
+    for (vertex, (corner, depth)) in block.vertices.iter().zip(corners.iter_mut().zip(&mut depths)) {
+        let moved = |axis: usize| f64::from(vertex[axis].0[candidate.lane as usize]) - f64::from(ray.origin[axis]);
+        *depth = moved(z);
+        *corner = DVec2::new(moved(x), moved(y)) - shear * *depth;
+    }
+    let [w, u, v] = weights_at_origin(corners);
+    let t = ((w * depths[0] + u * depths[1] + v * depths[2]) * reciprocal) as f32;
     let u = u as f32;
     Hit {
         primitive: candidate.primitive,

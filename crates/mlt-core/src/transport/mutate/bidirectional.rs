@@ -61,13 +61,7 @@ impl BidirectionalMutation<'_> {
         let split = edit.draw_split(rng);
         edit.copy_kept(current, proposal);
         self.trace(proposal, &edit, split, within.region(), rng)?;
-        let power = within.region().power();
-        let there =
-            edit.probability(current.vertices.len(), within.max_edges()) * edit.density(&proposal.vertices, power);
-        let undo = edit.undo();
-        let back =
-            undo.probability(proposal.vertices.len(), within.max_edges()) * undo.density(&current.vertices, power);
-        Some(back / there)
+        Some(edit.ratio(current, proposal, within))
     }
 
     /// Traces the new vertices, `split` of them from the light's side, connects, and evaluates the path.
@@ -112,6 +106,16 @@ impl Edit {
     /// The edit that leads back.
     fn undo(&self) -> Self {
         Self { deleted: self.added, added: self.deleted, ..*self }
+    }
+
+    /// T(y→x | s, t) / T(x→y | s, t) of an edit that turns x = `current` into y = `proposal`.
+    fn ratio(&self, current: &LightPath, proposal: &LightPath, within: &LightStratum) -> f64 {
+        self.undo().transition(proposal, current, within) / self.transition(current, proposal, within)
+    }
+
+    /// T(x→y | s, t).
+    fn transition(&self, from: &LightPath, to: &LightPath, within: &LightStratum) -> f64 {
+        self.probability(from.vertices.len(), within.max_edges()) * self.density(&to.vertices, within.region().power())
     }
 
     /// P(d | n) / (n − d) · P(a | d).
@@ -184,4 +188,120 @@ fn draw(n: usize, weight: impl Fn(usize) -> f64, rng: &mut impl Rng) -> usize {
         }
     }
     n - 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::strata::{LightStrata, Stratification};
+    use super::super::super::testing::{World, glass, glossy, lambert, mirror, room, two_lights, worlds};
+    use super::super::super::tests::balance::{Imbalance, imbalance};
+    use super::super::super::tests::paths::check_recomputed;
+    use super::*;
+    use crate::engine::{Generator, Purpose, Stratum, generator};
+    use crate::transport::Rgb;
+
+    /// The steps of [`BidirectionalMutation::propose`], with a ratio of the caller's.
+    fn propose_with(
+        world: &World,
+        [current, proposal]: [&mut LightPath; 2],
+        within: &LightStratum,
+        rng: &mut Generator,
+        ratio: impl Fn(&Edit, usize, &LightPath, &LightPath) -> f64,
+    ) -> Option<f64> {
+        let edit = Edit::draw(current.vertices.len(), within.max_edges(), rng)?;
+        let split = edit.draw_split(rng);
+        edit.copy_kept(current, proposal);
+        BidirectionalMutation { view: world.view() }.trace(proposal, &edit, split, within.region(), rng)?;
+        Some(ratio(&edit, split, current, proposal))
+    }
+
+    #[test]
+    fn the_way_back_has_the_inverse_ratio() {
+        for (name, world) in worlds() {
+            let strata = LightStrata::new(world.scene.lights(), Stratification::Grid(2, 1));
+            let mut compared = 0;
+            for (j, stratum) in (0..).zip(LightStratum::all(&strata, world.view(), 8)) {
+                for i in 0..300 {
+                    let mut rng = generator(1, Purpose::Chain, 0, j, i);
+                    let mut current = LightPath::default();
+                    stratum.sample(&mut rng, &mut |path, _| current.clone_from(path));
+                    if current.vertices.is_empty() {
+                        continue;
+                    }
+                    let mut proposal = LightPath::default();
+                    for _ in 0..20 {
+                        let paths = [&mut current, &mut proposal];
+                        let ratios = propose_with(&world, paths, &stratum, &mut rng, |edit, _, x, y| {
+                            let (there, back) = (edit.ratio(x, y, &stratum), edit.undo().ratio(y, x, &stratum));
+                            // A path with a connection that nothing can make is not led back to.
+                            assert!(there == 0.0 && back.is_infinite() || (there * back - 1.0).abs() < 1e-9, "{name}");
+                            there
+                        });
+                        if ratios.is_some() {
+                            check_recomputed(name, &proposal, &world);
+                            compared += 1;
+                        }
+                    }
+                }
+            }
+            assert!(compared > 1000, "{name}: {compared}");
+        }
+    }
+
+    #[test]
+    fn flows_are_balanced() {
+        for (name, world) in [
+            ("mirror", room(mirror(), true)),
+            ("coated", room(glossy(), true)),
+            ("two lights", two_lights(glass(0.0), mirror())),
+            ("frosted glass", room(glass(0.4), false)),
+        ] {
+            let mutation = BidirectionalMutation { view: world.view() };
+            for (cut, batches) in [(Stratification::None, 40_000), (Stratification::Grid(2, 1), 10_000)] {
+                let found = imbalance(&world, cut, batches, |x, y, within, rng| mutation.propose(x, y, within, rng));
+                println!("{name}, {cut:?}: z = {:.2}", found.z);
+                found.assert_balanced(name);
+            }
+        }
+    }
+
+    fn with_ratio(ratio: impl Fn(&Edit, usize, &LightPath, &LightPath, &LightStratum) -> f64 + Sync) -> Imbalance {
+        let world = two_lights(lambert(Rgb::splat(0.6)), mirror());
+        imbalance(&world, Stratification::None, 80_000, |x, y, within, rng| {
+            let paths = [&mut x.clone(), y];
+            propose_with(&world, paths, within, rng, |edit, split, x, y| ratio(edit, split, x, y, within))
+        })
+    }
+
+    #[test]
+    fn errors_in_the_ratio_are_seen() {
+        let found = with_ratio(|edit, _, x, y, within| edit.ratio(x, y, within));
+        found.assert_balanced("none");
+        let found = with_ratio(|edit, _, x, y, within| {
+            let power = within.region().power();
+            edit.undo().density(&x.vertices, power) / edit.density(&y.vertices, power)
+        });
+        println!("z = {:.2}", found.z);
+        found.assert_detected("without the probability of the edit");
+        let found = with_ratio(|edit, _, x, y, within| {
+            edit.ratio(x, y, within) * (edit.added + 1) as f64 / (edit.deleted + 1) as f64
+        });
+        println!("z = {:.2}", found.z);
+        found.assert_detected("with the wrong weight of a split");
+        let found = with_ratio(|edit, split, x, y, within| {
+            let made = y.vertices[edit.s..edit.s + split].iter().map(|v| v.forward).product::<f64>()
+                * y.vertices[edit.s + split..edit.s + edit.added].iter().map(|v| v.reverse).product::<f64>();
+            let power = if edit.s == 0 && split > 0 { within.region().power() } else { 1.0 };
+            let all: f64 = (0..=edit.added).map(|split| edit.split_weight(split)).sum();
+            let one = edit.split_weight(split) / all * made / power;
+            edit.ratio(x, y, within) * edit.density(&y.vertices, within.region().power()) / one
+        });
+        println!("z = {:.2}", found.z);
+        found.assert_detected("counting only the split that was drawn");
+        let found = with_ratio(|edit, _, x, y, within| {
+            edit.ratio(x, y, within) * 1.1f64.powi(edit.added as i32 - edit.deleted as i32)
+        });
+        println!("z = {:.2}", found.z);
+        found.assert_detected("a tenth too much for a vertex");
+    }
 }

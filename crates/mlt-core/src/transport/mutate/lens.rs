@@ -4,23 +4,15 @@
 //! image, the chain of specular surfaces is followed through the same events, and its end x_m is connected to
 //! x_{m−1}. The move on the image is symmetric, so
 //!
-//! T(y→x) / T(x→y) = Π_{m ≤ i < k} r_i(x) / r_i(y),  r_i = reverse_i / P(event at x_{i+1}),
+//! T(y→x) / T(x→y) = Π_{m ≤ i < k} q_i(x) / q_i(y),  q_{k−1} = reverse_{k−1},  q_i = reverse_i / P(event at x_{i+1}),
 //!
-//! r_i being the density of x_i when the image point is uniform and the events are given.
+//! q_i being the density of x_i when the image point is uniform and the events are given.
 //!
 //! Source: [VeachGuibas97], section 5.3.3.
 
 use super::super::path::{LightPath, View};
-use super::super::subpath::{follow_from_eye, start_at_eye};
-use crate::engine::uniform_f32;
-use glam::Vec2;
+use super::follow::perturb_from_eye;
 use rand_pcg::rand_core::Rng;
-use std::f32::consts::{PI, TAU};
-
-/// Smallest distance, pixels.
-const LEAST_PIXELS: f32 = 0.1;
-/// Area of the largest move, as a share of the image.
-const LARGEST_SHARE: f32 = 0.05;
 
 /// Moves the camera ray.
 #[derive(Clone, Copy)]
@@ -32,75 +24,63 @@ pub struct LensPerturbation<'a> {
 impl LensPerturbation<'_> {
     /// 1 for paths of its form, else 0.
     pub fn suitability(&self, current: &LightPath) -> f64 {
-        let m = first_diffuse(current);
+        let m = first_diffuse(current, current.edges());
         let connects = m == 0 || !current.vertices[m - 1].vertex.delta;
         if connects { 1.0 } else { 0.0 }
     }
 
     /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
     pub fn propose(&self, current: &LightPath, proposal: &mut LightPath, rng: &mut impl Rng) -> Option<f64> {
-        let image = self.perturb(current.image, rng)?;
-        let m = first_diffuse(current);
-        let last = current.edges();
-        proposal.clone_from(current);
-        start_at_eye(&mut proposal.vertices, last, image, &self.view)?;
-        for i in (m + 1..last).rev() {
-            self.follow_event(current, proposal, i)?;
-        }
-        if proposal.vertices[m].vertex.delta {
-            return None;
-        }
-        let changed = m.saturating_sub(1)..=last;
-        if m == 0 {
-            let x = &proposal.vertices[0].vertex;
-            proposal.light = self.view.scene.lights().point(x.primitive, x.position)?;
-            proposal.update(&self.view, changed)?;
-        } else {
-            proposal.connect(&self.view, m, changed)?;
-        }
-        let density = |path: &LightPath| -> f64 {
-            (m..last).map(|i| path.vertices[i].reverse / self.event_probability(path, i + 1)).product()
-        };
-        Some(density(current) / density(proposal))
-    }
-
-    /// Follows, at the delta vertex x_i of `proposal`, the event that x_i of `current` has.
-    fn follow_event(&self, current: &LightPath, proposal: &mut LightPath, i: usize) -> Option<()> {
-        let (old, new) = (&current.vertices[i], &proposal.vertices[i]);
-        if !new.vertex.delta {
-            return None;
-        }
-        let n = old.vertex.shading_normal;
-        let transmits = n.dot(old.to_eye) * n.dot(-current.vertices[i - 1].to_eye) < 0.0;
-        let direction = self.view.scene.delta_direction(&new.vertex, new.to_eye, transmits)?;
-        follow_from_eye(&mut proposal.vertices, i, direction, &self.view)
-    }
-
-    /// Probability with which the event at x_i is drawn; 1 at the camera.
-    fn event_probability(&self, path: &LightPath, i: usize) -> f64 {
-        let x = &path.vertices[i];
-        if x.vertex.is_camera() {
-            return 1.0;
-        }
-        f64::from(self.view.scene.event_probability(&x.vertex, x.to_eye, -path.vertices[i - 1].to_eye))
-    }
-
-    /// A point of the image at distance r₂ exp(−u ln(r₂/r₁)) in a uniform direction; `None` outside the image.
-    fn perturb(&self, image: Vec2, rng: &mut impl Rng) -> Option<Vec2> {
-        let [w, h] = self.view.camera.size().map(|n| n as f32);
-        let largest = (LARGEST_SHARE * w * h / PI).sqrt().max(2.0 * LEAST_PIXELS);
-        let distance = largest * (-(largest / LEAST_PIXELS).ln() * uniform_f32(rng)).exp();
-        let (sin, cos) = (TAU * uniform_f32(rng)).sin_cos();
-        let moved = image + distance * Vec2::new(cos / w, sin / h);
-        (moved.cmpge(Vec2::ZERO).all() && moved.cmplt(Vec2::ONE).all()).then_some(moved)
+        perturb_from_eye(&self.view, current, proposal, first_diffuse(current, current.edges()), rng)
     }
 }
 
-/// Index of the first vertex from the camera that is not a delta one; 0 at the latest.
-fn first_diffuse(path: &LightPath) -> usize {
-    let mut m = path.edges() - 1;
+/// Index of the first vertex below `i` that is not a delta one; 0 at the latest.
+pub(super) fn first_diffuse(path: &LightPath, i: usize) -> usize {
+    let mut m = i - 1;
     while m > 0 && path.vertices[m].vertex.delta {
         m -= 1;
     }
     m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::strata::Stratification;
+    use super::super::super::testing::{World, glass, glossy, lambert, mirror, pond, room, two_lights};
+    use super::super::super::tests::balance::imbalance;
+    use super::*;
+    use crate::transport::Rgb;
+
+    /// Moves of paths of the form that the perturbation applies to.
+    fn suited<'a>(world: &'a World, x: &LightPath) -> Option<LensPerturbation<'a>> {
+        let lens = LensPerturbation { view: world.view() };
+        (lens.suitability(x) > 0.0).then_some(lens)
+    }
+
+    #[test]
+    fn flows_are_balanced() {
+        for (name, world) in [
+            ("diffuse", room(lambert(Rgb::splat(0.5)), true)),
+            ("mirror", room(mirror(), true)),
+            ("coated", room(glossy(), true)),
+            ("glass", room(glass(0.0), false)),
+            ("water", pond()),
+            ("two lights", two_lights(glass(0.0), mirror())),
+        ] {
+            let found = imbalance(&world, Stratification::Grid(2, 1), 15_000, |x, y, _, rng| {
+                suited(&world, x)?.propose(x, y, rng)
+            });
+            found.assert_balanced(name);
+        }
+    }
+
+    #[test]
+    fn a_ratio_without_the_densities_is_seen() {
+        let world = pond();
+        let found = imbalance(&world, Stratification::None, 60_000, |x, y, _, rng| {
+            suited(&world, x)?.propose(x, y, rng).map(|_| 1.0)
+        });
+        found.assert_detected("without the densities");
+    }
 }

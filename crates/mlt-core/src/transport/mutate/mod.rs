@@ -1,7 +1,12 @@
 //! Mutations of light paths, one file each.
 
 mod bidirectional;
+mod caustic;
+mod follow;
 mod lens;
+mod multi_chain;
+#[cfg(test)]
+mod tests;
 
 use super::path::{LightPath, View};
 use super::stratum::LightStratum;
@@ -9,7 +14,9 @@ use crate::engine::Mutation;
 use rand_pcg::rand_core::Rng;
 
 pub use bidirectional::BidirectionalMutation;
+pub use caustic::CausticPerturbation;
 pub use lens::LensPerturbation;
+pub use multi_chain::MultiChainPerturbation;
 
 /// One of the mutations, chosen without a virtual call.
 #[derive(Clone, Copy)]
@@ -18,12 +25,21 @@ pub enum PathMutation<'a> {
     Bidirectional(BidirectionalMutation<'a>),
     /// Moves the path on the image.
     Lens(LensPerturbation<'a>),
+    /// Turns the light that makes a caustic.
+    Caustic(CausticPerturbation<'a>),
+    /// Moves the path on the image and turns what lies behind, through several specular chains.
+    MultiChain(MultiChainPerturbation<'a>),
 }
 
 impl<'a> PathMutation<'a> {
-    /// All that apply to a view.
+    /// All that apply to a view; those for specular chains only where a surface is specular.
     pub fn all(view: View<'a>) -> Vec<Self> {
-        vec![Self::Bidirectional(BidirectionalMutation { view }), Self::Lens(LensPerturbation { view })]
+        let mut all = vec![Self::Bidirectional(BidirectionalMutation { view }), Self::Lens(LensPerturbation { view })];
+        if view.scene.materials().iter().any(|m| m.bsdf.is_delta()) {
+            all.push(Self::Caustic(CausticPerturbation { view }));
+            all.push(Self::MultiChain(MultiChainPerturbation { view }));
+        }
+        all
     }
 }
 
@@ -32,6 +48,8 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
         match self {
             Self::Bidirectional(_) => "bidirectional",
             Self::Lens(_) => "lens",
+            Self::Caustic(_) => "caustic",
+            Self::MultiChain(_) => "multi-chain",
         }
     }
 
@@ -40,6 +58,8 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
         match self {
             Self::Bidirectional(m) => m.suitability(current),
             Self::Lens(m) => m.suitability(current),
+            Self::Caustic(m) => m.suitability(current),
+            Self::MultiChain(m) => m.suitability(current),
         }
     }
 
@@ -54,6 +74,8 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
         match self {
             Self::Bidirectional(m) => m.propose(current, proposal, within, rng),
             Self::Lens(m) => m.propose(current, proposal, rng),
+            Self::Caustic(m) => m.propose(current, proposal, rng),
+            Self::MultiChain(m) => m.propose(current, proposal, rng),
         }
     }
 }

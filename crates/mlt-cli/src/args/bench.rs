@@ -1,0 +1,91 @@
+//! Options of `mlt bench`.
+
+use std::{num::NonZeroUsize, path::PathBuf, time::Duration};
+
+use clap::{ArgGroup, Args};
+
+use super::values::{Size, duration, exposure, positive};
+use crate::bench::{Budget, Variant};
+
+/// Options of `mlt bench`.
+#[derive(Args, Clone, Debug)]
+#[command(group = ArgGroup::new("what").args(["scenes", "paper"]).required(true))]
+#[command(group = ArgGroup::new("budget").args(["times", "mutations", "rays", "paper"]).required(true))]
+#[command(group = ArgGroup::new("truth").args(["references", "reference_time", "reference_samples"]))]
+#[command(after_help = "\
+The folder gets report.html (one file, for a browser), results.csv and results.json (a row a run), images/ and runs.jsonl.
+The last is written after each run: the same command goes on where an earlier one stopped. Delete the folder after a change
+to a scene or to the program.
+With budgets in mutations or rays, the same command makes the same report.html, bit for bit; with budgets in seconds it
+charts speed.")]
+pub struct BenchOptions {
+    /// glTF or OBJ files, or names of built-in scenes
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<PathBuf>,
+    /// The folder for the results
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// The table of the paper: its three scenes, stratified and not, a tenth of the reference's samples, 10 renders each
+    #[arg(long, conflicts_with_all = ["methods", "references", "reference_time"])]
+    pub paper: bool,
+
+    /// What to compare: METHOD[:STRATA][:OPTION=VALUE]… with the methods, strata and options of 'mlt render'
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "mlt:none,mlt:4x4,bdpt,pt")]
+    pub methods: Vec<Variant>,
+    /// Independent renders of each method and budget, with the seeds 1, 2, …
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub seeds: u64,
+    /// Budgets in time on the clock, such as 1s,3s,10s
+    #[arg(long, value_name = "TIME,…", value_delimiter = ',', value_parser = time_budget)]
+    pub times: Vec<Budget>,
+    /// Budgets in mutations per pixel, for independent methods samples per pixel, such as 8,32,128
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = count_budget)]
+    pub mutations: Vec<Budget>,
+    /// Budgets in rays per pixel, such as 100,400
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = ray_budget)]
+    pub rays: Vec<Budget>,
+
+    /// The image that is taken for true, OpenEXR or PNG; once for each scene, in their order
+    #[arg(long = "reference", value_name = "FILE")]
+    pub references: Vec<PathBuf>,
+    /// Render the reference for this time; without any of these options, for ten times the largest budget
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub reference_time: Option<Duration>,
+    /// Render the reference with this many samples per pixel
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub reference_samples: Option<f64>,
+    /// What renders the reference
+    #[arg(long, value_name = "METHOD", default_value = "bdpt")]
+    pub reference_method: Variant,
+
+    /// Size of the images in pixels; that of the reference file, or 256x256
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Threads; all processors if not given
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Longest path, in edges from light to lens; no limit if not given
+    #[arg(long, value_name = "EDGES", value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_length: Option<u32>,
+    /// The relMSE whose time (or rays) is compared; the geometric mean of what the methods reach if not given
+    #[arg(long, value_name = "ERROR", value_parser = positive)]
+    pub target: Option<f64>,
+    /// Exposure of the images in the report, in stops
+    #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// No progress; errors and warnings only
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+fn time_budget(text: &str) -> Result<Budget, String> {
+    duration(text).map(Budget::Time)
+}
+
+fn count_budget(text: &str) -> Result<Budget, String> {
+    positive(text).map(Budget::PerPixel)
+}
+
+fn ray_budget(text: &str) -> Result<Budget, String> {
+    positive(text).map(Budget::Rays)
+}

@@ -1,0 +1,76 @@
+//! What each stratum gives and what it gets: shares of b_j and of n_j.
+
+use std::fmt::Write;
+
+use super::{colour, scale::significant};
+
+const WIDTH: f64 = 560.0;
+const HEIGHT: f64 = 150.0;
+const LEFT: f64 = 44.0;
+const TOP: f64 = 10.0;
+const BOTTOM: f64 = 26.0;
+
+/// A bar a stratum for b_j, with its standard error, and a line across it for n_j; as shares of their sums, in the order
+/// of the strata. `None` when all are dark.
+///
+/// `strata`: b_j, its standard error, n_j.
+pub fn strata(strata: &[(f64, f64, f64)], method: usize) -> Option<String> {
+    let sum = |f: fn(&(f64, f64, f64)) -> f64| strata.iter().map(f).sum::<f64>();
+    let (b, n) = (sum(|stratum| stratum.0), sum(|stratum| stratum.2));
+    if b <= 0.0 || n <= 0.0 {
+        return None;
+    }
+    let top = strata.iter().map(|stratum| ((stratum.0 + stratum.1) / b).max(stratum.2 / n)).fold(0.0, f64::max);
+    let (bottom, step) = (HEIGHT - BOTTOM, (WIDTH - LEFT - 8.0) / strata.len() as f64);
+    let y = |share: f64| bottom - share / top * (bottom - TOP);
+    let mut svg = format!(
+        "<svg class=\"chart strata\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"shares of {} strata\">\n",
+        strata.len()
+    );
+    for share in [0.0, 0.5 * top, top] {
+        let (at, label) = (y(share), format!("{:.*} %", if top < 0.1 { 1 } else { 0 }, 100.0 * share));
+        let right = WIDTH - 8.0;
+        let _ = writeln!(svg, "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>");
+        let (x, y) = (LEFT - 6.0, at + 4.0);
+        let _ = writeln!(svg, "<text class=\"tick\" x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\">{label}</text>");
+    }
+    let colour = colour(method);
+    for (j, &(b_j, stderr, n_j)) in strata.iter().enumerate() {
+        let (left, width) = (LEFT + j as f64 * step, 0.8 * step);
+        let (high, height) = (y(b_j / b), bottom - y(b_j / b));
+        let _ = writeln!(
+            svg,
+            "<rect class=\"bar\" fill=\"{colour}\" x=\"{left:.2}\" y=\"{high:.1}\" width=\"{width:.2}\" height=\"{height:.1}\">\
+             <title>stratum {j}: b {} ± {}, n {}</title></rect>",
+            significant(b_j),
+            significant(stderr),
+            significant(n_j)
+        );
+        let (middle, low, up) = (left + 0.5 * width, y((b_j - stderr) / b), y((b_j + stderr) / b));
+        let _ = writeln!(svg, "<path class=\"whisker\" d=\"M{middle:.2} {low:.1}V{up:.1}\"/>");
+        let _ = writeln!(svg, "<path class=\"share\" d=\"M{left:.2} {:.1}h{width:.2}\"/>", y(n_j / n));
+    }
+    let (x, y) = (0.5 * (LEFT + WIDTH), HEIGHT - 8.0);
+    let _ = writeln!(
+        svg,
+        "<text class=\"name\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">stratum 0 … {}</text>",
+        strata.len() - 1
+    );
+    Some(svg + "</svg>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_stratum_has_a_bar_and_a_share() {
+        let svg = strata(&[(1.0, 0.1, 10.0), (0.0, 0.0, 0.0), (3.0, 0.2, 10.0)], 0).expect("not dark");
+        for part in ["class=\"bar\"", "class=\"whisker\"", "class=\"share\""] {
+            assert_eq!(svg.matches(part).count(), 3, "{part}");
+        }
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        assert_eq!(strata(&[(0.0, 0.0, 0.0)], 0), None);
+        assert_eq!(strata(&[], 0), None);
+    }
+}

@@ -1,0 +1,222 @@
+//! The report: one page that holds everything it shows.
+
+mod tables;
+
+use anyhow::Context;
+use askama::Template;
+
+use super::{
+    chart::{self, significant},
+    paint,
+    paper::{Cell as PaperCell, Comparison},
+    row::Row,
+    runs::Ready,
+    statistics::{self, Estimate, median},
+    subject::{Reference, Subject},
+    summary::{Axis, Curve, Point, curves, usual_target},
+};
+use crate::args::bench::BenchOptions;
+use tables::{Line, RatioLine, acceptance, class, error_cells, interval, line, mutations, ratio_line, reach};
+
+#[derive(Template)]
+#[template(path = "report.html")]
+struct Page {
+    version: &'static str,
+    facts: Vec<(&'static str, String)>,
+    paper: Vec<PaperRow>,
+    scenes: Vec<Scene>,
+    map: String,
+    largest_error: String,
+}
+
+/// Two lines of the paper's table.
+struct PaperRow {
+    scene: &'static str,
+    lines: [PaperLine; 2],
+    ratio: String,
+    interval: String,
+    paper_ratio: String,
+    verdict: &'static str,
+    class: &'static str,
+}
+
+struct PaperLine {
+    algorithm: &'static str,
+    /// relativeDiff, its interval, the paper's, acceptance, the paper's, rays.
+    cells: [String; 6],
+}
+
+struct Scene {
+    name: String,
+    reference: String,
+    budget: String,
+    charts: Vec<String>,
+    errors: Vec<Line>,
+    target: String,
+    reach_columns: Vec<String>,
+    reach: Vec<Line>,
+    ratios: Vec<RatioLine>,
+    mutations: Vec<String>,
+    acceptance: Vec<Line>,
+    strata: Vec<Strata>,
+    reference_image: String,
+    pictures: Vec<Picture>,
+}
+
+struct Strata {
+    name: String,
+    count: usize,
+    chart: String,
+}
+
+struct Picture {
+    name: String,
+    error: String,
+    image: String,
+    map: String,
+}
+
+/// The page's text.
+pub fn html(ready: &Ready, rows: &[Row], paper: &[Comparison], options: &BenchOptions) -> anyhow::Result<String> {
+    let scenes = ready.subjects.iter().enumerate().map(|(index, (subject, reference))| {
+        let curves = curves(ready.study, rows, &subject.name);
+        if curves.is_empty() { Ok(None) } else { scene(ready, index, (subject, reference), &curves, options).map(Some) }
+    });
+    let page = Page {
+        version: env!("CARGO_PKG_VERSION"),
+        facts: facts(ready, options),
+        paper: paper.iter().map(paper_row).collect(),
+        scenes: scenes.filter_map(Result::transpose).collect::<anyhow::Result<_>>()?,
+        map: paint::map_css(),
+        largest_error: significant(paint::LARGEST),
+    };
+    page.render().context("cannot make the report")
+}
+
+fn facts(ready: &Ready, options: &BenchOptions) -> Vec<(&'static str, String)> {
+    let budgets: Vec<String> = ready.study.budgets.iter().map(ToString::to_string).collect();
+    let mut facts = vec![("Budgets", budgets.join(", ")), ("Seeds", format!("1 to {}", ready.study.seeds))];
+    facts.extend(options.max_length.map(|edges| ("Longest path", format!("{edges} edges"))));
+    if !ready.study.repeats() {
+        facts.push(("Threads", rayon::current_num_threads().to_string()));
+    }
+    facts
+}
+
+fn scene(
+    ready: &Ready,
+    index: usize,
+    (subject, reference): (&Subject, &Reference),
+    curves: &[Curve],
+    options: &BenchOptions,
+) -> anyhow::Result<Scene> {
+    let axes =
+        if ready.study.repeats() { vec![Axis::Rays, Axis::Work] } else { vec![Axis::Seconds, Axis::Rays, Axis::Work] };
+    let target = options.target.or_else(|| usual_target(curves));
+    let compared = &axes[..axes.len() - 1];
+    let mutations = mutations(curves);
+    Ok(Scene {
+        name: subject.name.clone(),
+        reference: describe(reference),
+        budget: curves[0].last().rows[0].key.budget.clone(),
+        charts: axes.iter().map(|axis| error_chart(curves, *axis, reference)).collect(),
+        errors: curves.iter().map(|curve| line(curve, error_cells(curve, axes[0]))).collect(),
+        target: target.map_or_else(String::new, significant),
+        reach_columns: compared.iter().map(|axis| axis.name().to_owned()).collect(),
+        reach: target.map_or_else(Vec::new, |target| reach(curves, compared, target)),
+        ratios: curves.iter().map(|curve| ratio_line(curve, curves)).collect(),
+        acceptance: acceptance(curves, &mutations),
+        mutations,
+        strata: curves.iter().filter_map(strata).collect(),
+        reference_image: paint::data_uri(&reference.image, options.exposure)?,
+        pictures: pictures(ready, index, reference, curves, options.exposure)?,
+    })
+}
+
+fn describe(reference: &Reference) -> String {
+    let own = reference.own_error.map(|own| format!("; its own noise adds about {} to every relMSE", significant(own)));
+    let Reference { image, origin, .. } = reference;
+    format!("{}×{} pixels; reference: {origin}{}", image.width, image.height, own.unwrap_or_default())
+}
+
+fn error_chart(curves: &[Curve], axis: Axis, reference: &Reference) -> String {
+    let levels = |point: &Point| {
+        let errors = point.errors();
+        let low = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        (
+            point.median(|row| axis.of(row)),
+            [low, median(&mut errors.clone()), errors.iter().copied().fold(0.0, f64::max)],
+        )
+    };
+    let line = |curve: &Curve| {
+        let slope = curve.slope(axis).map(|slope| format!("  {slope:.2}").replace('-', "−"));
+        chart::Line {
+            method: curve.method,
+            name: curve.name.to_owned() + &slope.unwrap_or_default(),
+            points: curve.points.iter().map(levels).filter(|(x, errors)| *x > 0.0 && errors[0] > 0.0).collect(),
+        }
+    };
+    let lines: Vec<_> = curves.iter().map(line).collect();
+    chart::curves(&lines, axis.name(), "relMSE", reference.own_error.map(|own| (own, "noise of the reference")))
+}
+
+/// b_j, its standard error in one run and n_j, means over the seeds; `None` for methods with a single stratum or none.
+fn strata(curve: &Curve) -> Option<Strata> {
+    let rows = &curve.last().rows;
+    let count = rows.iter().map(|row| row.strata_list.len()).min().filter(|count| *count > 1)?;
+    let stratum = |j: usize| {
+        let mean = |f: &dyn Fn(&super::row::Stratum) -> f64| {
+            statistics::mean_of(rows.iter().map(|row| f(&row.strata_list[j])))
+        };
+        (mean(&|s| s.b), mean(&|s| s.b_stderr.unwrap_or(0.0)), mean(&|s| s.mutations as f64))
+    };
+    let chart = chart::strata(&(0..count).map(stratum).collect::<Vec<_>>(), curve.method)?;
+    Some(Strata { name: curve.name.to_owned(), count, chart })
+}
+
+fn pictures(
+    ready: &Ready,
+    scene: usize,
+    reference: &Reference,
+    curves: &[Curve],
+    exposure: f64,
+) -> anyhow::Result<Vec<Picture>> {
+    let images = curves.iter().filter_map(|curve| Some((curve, ready.image(scene, curve.method)?)));
+    let picture = |(curve, image): (&Curve, crate::image::Image)| {
+        Ok(Picture {
+            name: curve.name.to_owned(),
+            error: significant(reference.errors(&image)?.rel_mse),
+            image: paint::data_uri(&image, exposure)?,
+            map: paint::data_uri(&paint::error_map(reference, &image)?, 0.0)?,
+        })
+    };
+    images.map(picture).collect()
+}
+
+fn paper_row(comparison: &Comparison) -> PaperRow {
+    let Comparison { stratified, unstratified, ratio, ratio_interval, paper_ratio, .. } = comparison;
+    PaperRow {
+        scene: comparison.scene,
+        lines: [paper_line("stratified", stratified), paper_line("unstratified", unstratified)],
+        ratio: significant(*ratio),
+        interval: interval(*ratio_interval),
+        paper_ratio: significant(*paper_ratio),
+        verdict: comparison.verdict,
+        class: class(&Estimate { value: *ratio, interval: *ratio_interval }),
+    }
+}
+
+fn paper_line(algorithm: &'static str, cell: &PaperCell) -> PaperLine {
+    let percent = |rate: f64| format!("{:.2} %", 100.0 * rate);
+    PaperLine {
+        algorithm,
+        cells: [
+            significant(cell.relative_diff),
+            interval(cell.interval),
+            format!("{:.3}", cell.paper_relative_diff),
+            percent(cell.acceptance),
+            percent(cell.paper_acceptance),
+            significant(cell.rays),
+        ],
+    }
+}

@@ -1,0 +1,157 @@
+//! Rows gathered into curves: a scene, a method, error over budget.
+
+use super::{
+    row::Row,
+    statistics::{Crossing, crossing, log_log_slope, mean_of, median_of},
+    study::Study,
+};
+
+/// What error is charted against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Seconds on the clock.
+    Seconds,
+    /// Rays per pixel.
+    Rays,
+    /// Mutations per pixel, or samples per pixel.
+    Work,
+}
+
+impl Axis {
+    /// Where a run stands on it.
+    pub fn of(self, row: &Row) -> f64 {
+        match self {
+            Self::Seconds => row.seconds,
+            Self::Rays => row.rays as f64 / (row.key.width * row.key.height) as f64,
+            Self::Work => row.per_pixel(),
+        }
+    }
+
+    /// Its name with unit.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Seconds => "seconds",
+            Self::Rays => "rays per pixel",
+            Self::Work => "mutations or samples per pixel",
+        }
+    }
+}
+
+/// Runs that differ in the seed alone; never empty.
+#[derive(Clone, Debug)]
+pub struct Point<'a> {
+    /// In the order of the seeds.
+    pub rows: Vec<&'a Row>,
+}
+
+impl Point<'_> {
+    /// A figure of each run.
+    pub fn values(&self, figure: impl Fn(&Row) -> f64) -> Vec<f64> {
+        self.rows.iter().map(|row| figure(row)).collect()
+    }
+
+    /// Median over the seeds.
+    pub fn median(&self, figure: impl Fn(&Row) -> f64) -> f64 {
+        median_of(self.values(figure).into_iter())
+    }
+
+    /// Mean over the seeds of a figure that some runs do not have; `None` if none has it.
+    pub fn mean(&self, figure: impl Fn(&Row) -> Option<f64>) -> Option<f64> {
+        let mean = mean_of(self.rows.iter().filter_map(|row| figure(row)));
+        mean.is_finite().then_some(mean)
+    }
+
+    /// relMSE of each run.
+    pub fn errors(&self) -> Vec<f64> {
+        self.values(|row| row.errors.rel_mse)
+    }
+
+    /// Largest relMSE over the median one; `None` for exact images.
+    pub fn worst_over_median(&self) -> Option<f64> {
+        let ratio = self.errors().into_iter().fold(0.0, f64::max) / self.median(|row| row.errors.rel_mse);
+        ratio.is_finite().then_some(ratio)
+    }
+}
+
+/// A method on a scene: a point a budget, rising; never empty.
+#[derive(Clone, Debug)]
+pub struct Curve<'a> {
+    /// Index of the method in the study.
+    pub method: usize,
+    /// As named on the command line.
+    pub name: &'a str,
+    /// Budgets that have a run.
+    pub points: Vec<Point<'a>>,
+}
+
+impl Curve<'_> {
+    /// The point of the largest budget.
+    pub fn last(&self) -> &Point<'_> {
+        &self.points[self.points.len() - 1]
+    }
+
+    /// Medians of abscissa and relMSE, of points with an error above zero.
+    pub fn medians(&self, axis: Axis) -> Vec<(f64, f64)> {
+        let median = |point: &Point| (point.median(|row| axis.of(row)), point.median(|row| row.errors.rel_mse));
+        self.points.iter().map(median).filter(|(x, y)| *x > 0.0 && *y > 0.0).collect()
+    }
+
+    /// Exponent of the error's fall: −1 for independent samples.
+    pub fn slope(&self, axis: Axis) -> Option<f64> {
+        log_log_slope(&self.medians(axis))
+    }
+
+    /// Where the median error reaches a target.
+    pub fn reaches(&self, axis: Axis, target: f64) -> Option<Crossing> {
+        crossing(&self.medians(axis), target)
+    }
+}
+
+/// All curves of a scene, in the order of the methods.
+pub fn curves<'a>(study: &Study, rows: &'a [Row], scene: &str) -> Vec<Curve<'a>> {
+    let of_method = |(method, variant): (usize, &super::Variant)| {
+        let text = variant.to_string();
+        let mine = || rows.iter().filter(|row| row.key.scene == scene && row.key.method == text);
+        let of_budget = |budget: &super::Budget| {
+            let budget = budget.to_string();
+            let rows: Vec<&Row> = mine().filter(|row| row.key.budget == budget).collect();
+            (!rows.is_empty()).then_some(Point { rows })
+        };
+        let points: Vec<Point> = study.budgets.iter().filter_map(of_budget).collect();
+        let name = &mine().next()?.key.method;
+        Some(Curve { method, name, points })
+    };
+    study.methods.iter().enumerate().filter_map(of_method).collect()
+}
+
+/// The error to compare times at: the geometric mean of the medians that the methods end with.
+pub fn usual_target(curves: &[Curve]) -> Option<f64> {
+    let ends = curves.iter().map(|curve| curve.last().median(|row| row.errors.rel_mse)).filter(|error| *error > 0.0);
+    let target = mean_of(ends.map(f64::ln)).exp();
+    target.is_finite().then_some(target)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::{Budget, row::tests::row},
+        *,
+    };
+
+    #[test]
+    fn rows_become_curves() {
+        let methods = ["mlt", "pt"].map(|text| text.parse().expect("valid")).to_vec();
+        let budgets = vec![Budget::PerPixel(8.0), Budget::PerPixel(16.0)];
+        let study = Study { scenes: vec![], methods, budgets, seeds: 3, truths: vec![] };
+        let rows = [row("pt", 1, 0.5), row("pt", 2, 0.2), row("pt", 3, 0.3)];
+        let scene = rows[0].key.scene.clone();
+        let found = curves(&study, &rows, &scene);
+        assert_eq!((found.len(), found[0].method, found[0].points.len()), (1, 1, 1));
+        assert_eq!(found[0].last().errors(), [0.5, 0.2, 0.3]);
+        assert!((found[0].last().worst_over_median().expect("known") - 5.0 / 3.0).abs() < 1e-12);
+        assert_eq!(found[0].medians(Axis::Rays), [(100.0, 0.3)]);
+        assert_eq!(found[0].slope(Axis::Rays), None);
+        assert!((usual_target(&found).expect("known") - 0.3).abs() < 1e-12);
+        assert!(curves(&study, &rows, "other").is_empty());
+    }
+}

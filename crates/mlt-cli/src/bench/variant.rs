@@ -1,0 +1,116 @@
+//! A method as named on the command line: `METHOD[:STRATA][:OPTION=VALUE]…`.
+
+use std::{ffi::OsString, fmt, path::Path, str::FromStr};
+
+use clap::{Args, FromArgMatches};
+
+use crate::{args::render::RenderOptions, exit::one_sentence};
+
+/// Options that all runs of a study share, and that a method can therefore not have for itself.
+const SHARED: [&str; 15] = [
+    "output",
+    "max-length",
+    "mutations-per-pixel",
+    "samples-per-pixel",
+    "time",
+    "error",
+    "first-round",
+    "seed",
+    "threads",
+    "size",
+    "camera",
+    "camera-from",
+    "camera-to",
+    "fov",
+    "exposure",
+];
+
+/// One of the things to compare: a command line of `mlt render` without what the study decides.
+///
+/// `mlt:4x4:importance=luminance` stands for `--method mlt --strata 4x4 --importance luminance`. What is valid is decided
+/// by the parser of `mlt render` alone, so that every method and option of it can be compared.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Variant {
+    text: String,
+    words: Vec<String>,
+}
+
+impl Variant {
+    /// The options of a render of `scene`, with `more` words of its command line.
+    pub fn render_options(&self, scene: &Path, more: &[String]) -> Result<RenderOptions, String> {
+        let words = self.words.iter().chain(more).map(OsString::from);
+        parse(words.chain([OsString::from("--quiet"), OsString::from("--"), scene.into()]))
+    }
+}
+
+impl FromStr for Variant {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut parts = text.split(':');
+        let mut words = vec![format!("--method={}", parts.next().unwrap_or_default())];
+        for (index, part) in parts.enumerate() {
+            match part.split_once('=') {
+                Some((name, _)) if SHARED.contains(&name) => {
+                    return Err(format!("'{name}' is the same for all methods; give it as an option of 'mlt bench'"));
+                }
+                Some((name, value)) => words.push(format!("--{name}={value}")),
+                None if index == 0 => words.push(format!("--strata={part}")),
+                None => return Err("give METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, as in mlt:4x4".into()),
+            }
+        }
+        let variant = Self { text: text.to_owned(), words };
+        variant.render_options(Path::new("cornell"), &[])?;
+        Ok(variant)
+    }
+}
+
+impl fmt::Display for Variant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+fn parse(words: impl Iterator<Item = OsString>) -> Result<RenderOptions, String> {
+    let command = RenderOptions::augment_args(clap::Command::new("mlt render").no_binary_name(true));
+    let matches = command.try_get_matches_from(words);
+    let options = matches.and_then(|matches| RenderOptions::from_arg_matches(&matches));
+    options.map_err(|error| one_sentence(&error.render().to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{render::Method, values::Strata};
+
+    fn options(text: &str) -> Result<RenderOptions, String> {
+        text.parse::<Variant>()?.render_options(Path::new("-a scene"), &["--seed=3".into()])
+    }
+
+    #[test]
+    fn a_variant_is_a_command_line_of_render() {
+        let found = options("bdpt").expect("valid");
+        assert_eq!((found.method, found.seed, found.scene.as_path()), (Method::Bdpt, 3, Path::new("-a scene")));
+        let found = options("mlt:4x3:importance=luminance:rounds=4").expect("valid");
+        assert_eq!((found.strata, found.rounds), (Strata::Grid { columns: 4, rows: 3 }, Some(4)));
+        assert_eq!(options("mlt:rounds=4").map(|options| options.rounds), Ok(Some(4)));
+    }
+
+    #[test]
+    fn what_render_would_refuse_is_refused_in_its_words() {
+        for (text, part) in [
+            ("photon", "invalid value 'photon' for '--method"),
+            ("", "--method"),
+            ("mlt:9", "as in 4x4"),
+            ("mlt:4x4:4x4", "as in mlt:4x4"),
+            ("mlt:colour=red", "'--colour'"),
+            ("mlt:rounds=0", "--rounds"),
+            ("mlt:seed=4", "'seed' is the same for all methods"),
+            ("mlt:output=a.exr", "'output' is the same"),
+            ("mlt:json=1", "--json"),
+        ] {
+            let message = text.parse::<Variant>().map(|variant| variant.to_string()).expect_err(text);
+            assert!(message.contains(part) && !message.contains('\n'), "{text}: {message}");
+        }
+    }
+}

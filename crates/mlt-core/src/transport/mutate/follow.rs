@@ -1,0 +1,156 @@
+//! What perturbations share: small turns of a direction, and the same specular events followed again.
+//!
+//! A perturbation replaces neighbouring vertices one by one: the first direction out of a vertex that is not specular is
+//! turned, and at specular vertices the old event (reflection, transmission) is repeated. With the vertices in the order in
+//! which they are traced, its density is Π q_i, per area of each vertex, and the turns' own densities cancel:
+//!
+//! q_i = |cosθ_i| / d²              after a turn,             d: distance to the vertex before
+//! q_i = forward_i / P(event)       after a specular vertex   (reverse_i where the tracing goes towards the light)
+//! q_i = reverse_i                  after the camera.
+
+use super::super::math::frame;
+use super::super::path::{LightPath, View, per_area};
+use super::super::subpath::{follow_from_eye, follow_from_light, start_at_eye};
+use crate::engine::uniform_f32;
+use glam::{Vec2, Vec3};
+use rand_pcg::rand_core::Rng;
+use std::f32::consts::{PI, TAU};
+
+/// Least and largest angle of a turn, radians.
+const TURN: [f32; 2] = [1e-4, 0.1];
+/// Shortest move on the image, pixels.
+const LEAST_PIXELS: f32 = 0.1;
+/// Area of the largest move on the image, as a share of the image.
+const LARGEST_SHARE: f32 = 0.05;
+
+/// `unit` turned by an angle of density ∝ 1/θ, uniformly about it. The density per solid angle depends on θ alone, so it is
+/// that of the way back.
+pub(super) fn turned(unit: Vec3, rng: &mut impl Rng) -> Vec3 {
+    let (sin, cos) = log_uniform(TURN, rng).sin_cos();
+    let (sin_phi, cos_phi) = (TAU * uniform_f32(rng)).sin_cos();
+    let (s, t) = frame(unit);
+    (cos * unit + sin * (cos_phi * s + sin_phi * t)).normalize()
+}
+
+/// A point of the image at a distance of density ∝ 1/r, in pixels, uniformly about `image`; `None` outside the image.
+pub(super) fn moved(image: Vec2, view: &View, rng: &mut impl Rng) -> Option<Vec2> {
+    let [w, h] = view.camera.size().map(|n| n as f32);
+    let largest = (LARGEST_SHARE * w * h / PI).sqrt().max(2.0 * LEAST_PIXELS);
+    let distance = log_uniform([LEAST_PIXELS, largest], rng);
+    let (sin, cos) = (TAU * uniform_f32(rng)).sin_cos();
+    let moved = image + distance * Vec2::new(cos / w, sin / h);
+    (moved.cmpge(Vec2::ZERO).all() && moved.cmplt(Vec2::ONE).all()).then_some(moved)
+}
+
+/// A number of density ∝ 1/r between two.
+fn log_uniform([least, largest]: [f32; 2], rng: &mut impl Rng) -> f32 {
+    largest * (-(largest / least).ln() * uniform_f32(rng)).exp()
+}
+
+/// Replaces x_{k−1} … x_m by perturbed vertices, from the camera: the camera ray is moved, and what leaves a diffuse vertex is
+/// turned. Then connects x_m to x_{m−1}, unless it is a light itself, and returns T(y→x)/T(x→y).
+pub(super) fn perturb_from_eye(
+    view: &View,
+    current: &LightPath,
+    proposal: &mut LightPath,
+    m: usize,
+    rng: &mut impl Rng,
+) -> Option<f64> {
+    let image = moved(current.image, view, rng)?;
+    let last = current.edges();
+    proposal.clone_from(current);
+    start_at_eye(&mut proposal.vertices, last, image, view)?;
+    for i in (m + 1..last).rev() {
+        let direction = next_direction(view, [current, proposal], i, Towards::Light, rng)?;
+        follow_from_eye(&mut proposal.vertices, i, direction, view)?;
+    }
+    if proposal.vertices[m].vertex.delta {
+        return None;
+    }
+    let changed = m.saturating_sub(1)..=last;
+    if m == 0 {
+        let x = &proposal.vertices[0].vertex;
+        proposal.light = view.scene.lights().point(x.primitive, x.position)?;
+        proposal.update(view, changed)?;
+    } else {
+        proposal.connect(view, m, changed)?;
+    }
+    let density = |path: &LightPath| -> f64 { (m..last).map(|i| density_from_eye(view, path, i)).product() };
+    Some(density(current) / density(proposal))
+}
+
+/// Replaces x_{l+1} … x_{k−1} by perturbed vertices, from the light's side: what leaves x_l is turned. Then connects x_{k−1} to
+/// the camera and returns T(y→x)/T(x→y).
+pub(super) fn perturb_from_light(
+    view: &View,
+    current: &LightPath,
+    proposal: &mut LightPath,
+    l: usize,
+    rng: &mut impl Rng,
+) -> Option<f64> {
+    let last = current.edges();
+    proposal.clone_from(current);
+    for i in l..last - 1 {
+        let direction = if i == l {
+            turned(current.vertices[l].to_eye, rng)
+        } else {
+            next_direction(view, [current, proposal], i, Towards::Eye, rng)?
+        };
+        follow_from_light(&mut proposal.vertices, i, direction, view)?;
+    }
+    proposal.connect(view, last, l..=last)?;
+    let density = |path: &LightPath| -> f64 { (l + 1..last).map(|i| density_from_light(view, path, i, l)).product() };
+    Some(density(current) / density(proposal))
+}
+
+/// Which end of the path the tracing goes to.
+#[derive(Clone, Copy, PartialEq)]
+enum Towards {
+    Light,
+    Eye,
+}
+
+/// The direction in which `proposal` goes on from x_i: the event that `current` has there if both are specular, its direction
+/// turned if neither is; `None` if they differ.
+fn next_direction(
+    view: &View,
+    [current, proposal]: [&LightPath; 2],
+    i: usize,
+    towards: Towards,
+    rng: &mut impl Rng,
+) -> Option<Vec3> {
+    let (old, new) = (&current.vertices[i], &proposal.vertices[i]);
+    if old.vertex.delta != new.vertex.delta {
+        return None;
+    }
+    let to_light = -current.vertices[i - 1].to_eye;
+    if !old.vertex.delta {
+        return Some(turned(if towards == Towards::Light { to_light } else { old.to_eye }, rng));
+    }
+    let n = old.vertex.shading_normal;
+    let transmits = n.dot(old.to_eye) * n.dot(to_light) < 0.0;
+    let given = if towards == Towards::Light { new.to_eye } else { -proposal.vertices[i - 1].to_eye };
+    view.scene.delta_direction(&new.vertex, given, transmits)
+}
+
+/// q_i of x_i traced from x_{i+1}.
+fn density_from_eye(view: &View, path: &LightPath, i: usize) -> f64 {
+    let (x, before) = (&path.vertices[i], &path.vertices[i + 1]);
+    if before.vertex.is_camera() {
+        x.reverse
+    } else if before.vertex.delta {
+        x.reverse / f64::from(view.scene.event_probability(&before.vertex, before.to_eye, -x.to_eye))
+    } else {
+        per_area(1.0, x, &x.vertex)
+    }
+}
+
+/// q_i of x_i traced from x_{i−1}, where the direction out of x_l is turned.
+fn density_from_light(view: &View, path: &LightPath, i: usize, l: usize) -> f64 {
+    let (x, before) = (&path.vertices[i], &path.vertices[i - 1]);
+    if i - 1 == l {
+        return per_area(1.0, before, &x.vertex);
+    }
+    let given = -path.vertices[i - 2].to_eye;
+    x.forward / f64::from(view.scene.event_probability(&before.vertex, given, before.to_eye))
+}

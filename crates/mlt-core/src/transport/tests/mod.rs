@@ -1,0 +1,6 @@
+//! What the renderer promises, one file a promise.
+
+pub(crate) mod balance;
+mod camera;
+pub(crate) mod paths;
+mod strata;

@@ -1,0 +1,68 @@
+//! Weights of techniques, and the values that a path carries.
+
+use super::super::bdpt::Bidirectional;
+use super::super::mis;
+use super::super::path::{LightPath, PathVertex, set_edge};
+use super::super::region::LightRegion;
+use super::super::testing::{World, worlds};
+use crate::engine::{Purpose, generator};
+
+/// Shows the connected paths of `samples` samples.
+fn visit_paths(world: &World, samples: u64, mut visit: impl FnMut(&LightPath, f64)) {
+    let region = LightRegion::whole(world.scene.lights());
+    let sampler = Bidirectional { view: world.view(), region: &region, max_edges: 12 };
+    for i in 0..samples {
+        sampler.sample(&mut generator(7, Purpose::Sample, 0, 0, i), &mut visit);
+    }
+}
+
+#[test]
+fn weights_of_all_techniques_of_a_path_sum_to_one() {
+    for (name, world) in worlds() {
+        let power = world.scene.lights().power();
+        let mut paths = 0;
+        visit_paths(&world, 2000, |path, _| {
+            let vertices = path.vertices();
+            let density = |s: usize| if mis::connectible(vertices, s) { mis::density(vertices, s, power) } else { 0.0 };
+            let densities: Vec<f64> = (0..vertices.len()).map(density).collect();
+            let squares: f64 = densities.iter().map(|p| p * p).sum();
+            let mut sum = 0.0;
+            for (s, p) in densities.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+                let weight = mis::weight(vertices, s, power);
+                assert!((weight - p * p / squares).abs() < 1e-9, "{name}: technique {s} of {}", vertices.len());
+                sum += weight;
+            }
+            assert!((sum - 1.0).abs() < 1e-9, "{name}: {sum} over {} vertices", vertices.len());
+            paths += 1;
+        });
+        assert!(paths > 5000, "{name}: {paths} paths");
+    }
+}
+
+#[test]
+fn cached_values_equal_recomputed_ones() {
+    for (name, world) in worlds() {
+        visit_paths(&world, 2000, |path, _| check_recomputed(name, path, &world));
+    }
+}
+
+/// Whether everything a path carries follows from its vertices alone.
+pub(crate) fn check_recomputed(name: &str, path: &LightPath, world: &World) {
+    let mut again = path.clone();
+    again.vertices.iter_mut().for_each(|v| *v = PathVertex::new(v.vertex));
+    let last = path.edges();
+    (0..last).for_each(|i| set_edge(&mut again.vertices, i).unwrap());
+    again.update(&world.view(), 0..=last).unwrap();
+    assert_eq!(path.contribution, again.contribution, "{name}");
+    assert_eq!((path.image, path.pixel), (again.image, again.pixel), "{name}");
+    for (i, (a, b)) in path.vertices().iter().zip(again.vertices()).enumerate() {
+        assert_eq!(a.scatter, b.scatter, "{name}: scatter of {i} in {last}");
+        // The camera is never drawn.
+        assert!(i == last || a.forward == b.forward, "{name}: forward of {i} in {last}");
+        assert_eq!(a.reverse, b.reverse, "{name}: reverse of {i} in {last}");
+    }
+    let x = &path.vertices()[0].vertex;
+    let point = world.scene.lights().point(x.primitive, x.position).unwrap();
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
+    assert!(point.light == path.light.light && near(point.u, path.light.u) && near(point.v, path.light.v), "{name}");
+}

@@ -1,0 +1,160 @@
+//! A chain that is warm allocates nothing.
+
+use glam::{DVec3, Vec3};
+use mlt_core::engine::{Chain, Mixture, Purpose, Sink, Splat, Stratum, generator};
+use mlt_core::primary::{PrimaryImportance, PrimaryMutation, PrimaryPath, PrimaryStratum, Tracer};
+use mlt_core::transport::{
+    Rgb,
+    bsdf::{Bsdf, Lambert, Mirror},
+    camera::CameraPose,
+    description::SceneDescription,
+    material::Material,
+    mesh::Mesh,
+    mutate::PathMutation,
+    path::{LightPath, Luminance, View},
+    primary::{AllConnections, Multiplexed, Part, Techniques},
+    scene::Scene,
+    strata::{LightStrata, Stratification},
+    stratum::LightStratum,
+};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+/// The system's allocator, which counts the calls of each thread.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: every call goes to the system's allocator unchanged.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's promises are those of this call.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: as above.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations(work: impl FnOnce()) -> u64 {
+    let before = ALLOCATIONS.get();
+    work();
+    ALLOCATIONS.get() - before
+}
+
+/// Forgets what it is given.
+struct Nowhere;
+
+impl<S> Sink<S> for Nowhere {
+    fn deposit(&mut self, _: S, _: f64) {}
+}
+
+/// A diffuse floor and a mirror under a light.
+fn scene() -> SceneDescription {
+    let quad = |material, corners: [[f64; 3]; 4]| Mesh {
+        positions: corners.map(DVec3::from_array).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        material,
+        ..Mesh::default()
+    };
+    let material = |bsdf, emission| Material { name: String::new(), bsdf, emission, emits_both_sides: false };
+    SceneDescription {
+        meshes: vec![
+            quad(0, [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]]),
+            quad(1, [[-1., 0., -1.], [1., 0., -1.], [1., 2., -1.], [-1., 2., -1.]]),
+            quad(2, [[-0.3, 2., -0.3], [0.3, 2., -0.3], [0.3, 2., 0.3], [-0.3, 2., 0.3]]),
+        ],
+        materials: vec![
+            material(Bsdf::Lambert(Lambert { reflectance: Rgb::splat(0.7) }), Rgb::ZERO),
+            material(Bsdf::Mirror(Mirror { f0: Rgb::splat(0.9) }), Rgb::ZERO),
+            material(Bsdf::Black, Rgb::splat(4.0)),
+        ],
+        cameras: vec![CameraPose {
+            name: String::new(),
+            position: DVec3::new(0.1, 1.0, 4.0),
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            vertical_fov: 0.7,
+            aspect_ratio: None,
+        }],
+    }
+}
+
+#[test]
+fn a_mutation_allocates_nothing() {
+    let description = scene();
+    let pose = description.cameras[0].clone();
+    let scene = Scene::new(description).unwrap();
+    let camera = scene.camera(&pose, [32, 32]);
+    let view = View { scene: &scene, camera: &camera };
+    let strata = LightStrata::new(scene.lights(), Stratification::Grid(2, 2));
+    let strata = LightStratum::all(&strata, view, 12);
+    let mixture = Mixture::new(PathMutation::all(view));
+    let mut rng = generator(1, Purpose::Chain, 0, 0, 0);
+    for stratum in &strata {
+        let mut start = None::<LightPath>;
+        while start.is_none() {
+            stratum.sample(&mut rng, &mut |path, _| start = Some(path.clone()));
+        }
+        let mut chain = Chain::new(&mixture, &Luminance, stratum, start.unwrap()).unwrap();
+        let mut steps = |n| (0..n).for_each(|_| chain.step(&mut Nowhere, 1.0, &mut rng));
+        assert!(allocations(|| steps(20_000)) > 0, "the count works: a chain grows its states");
+        assert_eq!(allocations(|| steps(20_000)), 0);
+    }
+}
+
+#[test]
+fn a_step_in_primary_sample_space_allocates_nothing() {
+    let description = scene();
+    let pose = description.cameras[0].clone();
+    let scene = Scene::new(description).unwrap();
+    let camera = scene.camera(&pose, [32, 32]);
+    let strata = LightStrata::new(scene.lights(), Stratification::None);
+    let view = View { scene: &scene, camera: &camera };
+    let part = Part { view, strata: &strata, index: 0, max_edges: 6, importance: &Luminance };
+    let techniques = Techniques::new(part.max_edges);
+    steps_allocate_nothing(&part.all(|part| Multiplexed { part, techniques: &techniques })[0]);
+    steps_allocate_nothing(&part.all(|part| AllConnections { part })[0]);
+}
+
+fn steps_allocate_nothing<T: Tracer<N>, const N: usize>(stratum: &PrimaryStratum<T>) {
+    let mixture = Mixture::new(PrimaryMutation::both(0.3));
+    let mut rng = generator(3, Purpose::Chain, 0, 0, 0);
+    let mut start = None::<PrimaryPath<T::Output, N>>;
+    while start.is_none() {
+        stratum.sample(&mut rng, &mut |path, _| start = Some(path.clone()));
+    }
+    let mut chain = Chain::new(&mixture, &PrimaryImportance, stratum, start.unwrap()).unwrap();
+    let mut steps = |n| (0..n).for_each(|_| chain.step(&mut Nowhere, 1.0, &mut rng));
+    assert!(allocations(|| steps(100_000)) > 0, "the count works: a chain grows its states");
+    assert_eq!(allocations(|| steps(20_000)), 0);
+}
+
+#[test]
+fn an_independent_sample_allocates_nothing() {
+    let description = scene();
+    let pose = description.cameras[0].clone();
+    let scene = Scene::new(description).unwrap();
+    let camera = scene.camera(&pose, [32, 32]);
+    let strata = LightStrata::new(scene.lights(), Stratification::None);
+    let [stratum] = &LightStratum::all(&strata, View { scene: &scene, camera: &camera }, 6)[..] else { panic!() };
+    let mut rng = generator(2, Purpose::Sample, 0, 0, 0);
+    let mut samples = |n| (0..n).for_each(|_| stratum.sample(&mut rng, &mut |_, _| ()));
+    assert!(allocations(|| samples(50_000)) > 0, "the count works: the first samples make room");
+    assert_eq!(allocations(|| samples(50_000)), 0);
+}

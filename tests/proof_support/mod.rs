@@ -1,0 +1,250 @@
+//! Scenes, replicas and comparisons for the statistical tests.
+#![allow(dead_code)]
+
+use glam::{DVec3, Vec3};
+use mlt_core::engine::{Estimator, Film, Metropolis, Mixture, Share, render};
+use mlt_core::transport::{
+    Rgb,
+    bdpt::MOST_EDGES,
+    bsdf::Bsdf,
+    camera::{Camera, CameraPose},
+    description::SceneDescription,
+    material::Material,
+    mesh::Mesh,
+    mutate::PathMutation,
+    path::{Luminance, View},
+    render::{Counts, Method, Renderer, Settings},
+    scene::{Scene, rays_traced},
+    strata::{LightStrata, Stratification},
+    stratum::LightStratum,
+};
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+use std::ops::{ControlFlow, Range};
+
+/// Chance that a right estimator is found wrong, for each comparison.
+const SIGNIFICANCE: f64 = 1e-3;
+/// Error of values that rounding in single precision may cause, relative.
+const ROUNDING: f64 = 1e-5;
+
+/// A scene and where it is seen from.
+pub struct World {
+    pub scene: Scene,
+    pub pose: CameraPose,
+}
+
+impl World {
+    pub fn new(mut description: SceneDescription) -> Self {
+        let pose = description.cameras.remove(0);
+        Self { scene: Scene::new(description).unwrap(), pose }
+    }
+
+    pub fn builtin(name: &str) -> Self {
+        Self::new(mlt_scene::open(name).unwrap().description)
+    }
+
+    pub fn camera(&self, size: [u32; 2]) -> Camera {
+        self.scene.camera(&self.pose, size)
+    }
+}
+
+pub fn add(description: &mut SceneDescription, mesh: Mesh, bsdf: Bsdf, emission: Rgb) {
+    description.meshes.push(Mesh { material: description.materials.len() as u32, ..mesh });
+    description.materials.push(Material { name: String::new(), bsdf, emission, emits_both_sides: false });
+}
+
+pub fn pose(position: DVec3, target: DVec3, degrees: f32) -> CameraPose {
+    let forward = (target - position).as_vec3().normalize();
+    let side = forward.cross(if forward.y.abs() < 0.9 { Vec3::Y } else { Vec3::NEG_Z }).normalize();
+    CameraPose {
+        name: String::new(),
+        position,
+        forward,
+        up: side.cross(forward),
+        vertical_fov: degrees.to_radians(),
+        aspect_ratio: None,
+    }
+}
+
+/// Counter-clockwise seen from the front.
+pub fn quad(corners: [[f64; 3]; 4]) -> Mesh {
+    let positions = corners.map(DVec3::from_array).to_vec();
+    Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+}
+
+/// Independent estimates of one small image.
+#[derive(Clone)]
+pub struct Replicas {
+    /// Of each: all pixels' channels.
+    pub images: Vec<Vec<f64>>,
+}
+
+pub fn settings(method: Method, stratification: Stratification, per_pixel: f64) -> Settings {
+    Settings { method, stratification, max_edges: None, seed: 1, per_pixel }
+}
+
+/// Every round is a replica.
+pub fn replicas(world: &World, size: [u32; 2], settings: &Settings, rounds: Range<u64>) -> Replicas {
+    let camera = world.camera(size);
+    let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());
+    let one = |round| {
+        let mut film = renderer.film();
+        let go_on = &mut |_, _: &Film<3>| ControlFlow::Continue(());
+        renderer.render(round..round + 1, &mut film, &mut Counts::default(), go_on);
+        image(&film)
+    };
+    Replicas { images: rounds.into_par_iter().map(one).collect() }
+}
+
+/// Every round of an estimator is a replica.
+pub fn replicas_of<E: Estimator<3>>(estimator: &E, pixels: u32, unit: f64, rounds: Range<u64>) -> Replicas {
+    let one = |round| {
+        let mut film = Film::new(pixels, unit);
+        render(estimator, round..round + 1, &mut film, &mut E::Tally::default(), &mut |_, _, _| {
+            ControlFlow::Continue(())
+        });
+        image(&film)
+    };
+    Replicas { images: rounds.into_par_iter().map(one).collect() }
+}
+
+/// Replicas by Metropolis, with equal shares for all strata and a sample for every four of the mutations.
+pub fn metropolis(world: &World, size: [u32; 2], cut: Stratification, per_pixel: f64, rounds: Range<u64>) -> Replicas {
+    metropolis_in(world, size, (cut, |_| true), per_pixel, rounds)
+}
+
+/// What some of the strata contribute to [`metropolis`], replica by replica.
+pub fn metropolis_in(
+    world: &World,
+    size: [u32; 2],
+    (cut, included): (Stratification, impl Fn(usize) -> bool),
+    per_pixel: f64,
+    rounds: Range<u64>,
+) -> Replicas {
+    let camera = world.camera(size);
+    let view = View { scene: &world.scene, camera: &camera };
+    let strata = LightStrata::new(world.scene.lights(), cut);
+    let strata = LightStratum::all(&strata, view, MOST_EDGES);
+    let mutations = (per_pixel * f64::from(camera.pixels()) / strata.len() as f64) as u64;
+    let share = |j| match included(j) {
+        true => Share { mutations, samples: mutations / 4 },
+        false => Share { mutations: 0, samples: 0 },
+    };
+    let shares: Vec<_> = (0..strata.len()).map(share).collect();
+    let estimator = Metropolis {
+        strata: &strata,
+        shares: &shares,
+        mixture: &Mixture::new(PathMutation::all(view)),
+        importance: &Luminance,
+        seed: 2,
+        work: rays_traced,
+    };
+    replicas_of(&estimator, camera.pixels(), world.scene.typical_radiance(), rounds)
+}
+
+fn image(film: &Film<3>) -> Vec<f64> {
+    assert_eq!(film.lost(), 0);
+    (0..film.sites() as usize).flat_map(|i| film.pixel(i).map(|c| c.mean)).collect()
+}
+
+/// Values with their variances.
+pub struct Known {
+    pub values: Vec<f64>,
+    pub variances: Vec<f64>,
+}
+
+impl Known {
+    /// Values that are known but for rounding.
+    pub fn exactly(values: Vec<f64>) -> Self {
+        let variances = values.iter().map(|v| (v * ROUNDING).powi(2)).collect();
+        Self { values, variances }
+    }
+}
+
+impl Replicas {
+    /// Adds `factor` × another estimate, replica by replica.
+    pub fn plus(&self, factor: f64, other: &Self) -> Self {
+        let add = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a + factor * b).collect();
+        Self { images: self.images.iter().zip(&other.images).map(add).collect() }
+    }
+
+    pub fn mean(&self) -> Vec<f64> {
+        let n = self.images.len() as f64;
+        (0..self.images[0].len()).map(|i| self.images.iter().map(|x| x[i]).sum::<f64>() / n).collect()
+    }
+
+    /// Value and squared standard error of each of the image's numbers, and of their mean.
+    fn estimates(&self) -> Vec<(f64, f64)> {
+        let pixels = self.images[0].len();
+        let mean_of = |x: &Vec<f64>| x.iter().sum::<f64>() / pixels as f64;
+        let mut estimates: Vec<_> =
+            (0..pixels).map(|i| moments(&self.images.iter().map(|x| x[i]).collect::<Vec<_>>())).collect();
+        estimates.push(moments(&self.images.iter().map(mean_of).collect::<Vec<_>>()));
+        estimates
+    }
+
+    /// p-value, corrected for the number of pixels and channels, of the hypothesis that both have one expectation.
+    pub fn p_value(&self, other: &Self) -> f64 {
+        let (n, m) = (self.images.len() as f64 - 1.0, other.images.len() as f64 - 1.0);
+        let welch = |(a, va): (f64, f64), (b, vb): (f64, f64)| {
+            let variance = va + vb;
+            let freedom = variance * variance / (va * va / n + vb * vb / m);
+            two_sided(a - b, variance, freedom)
+        };
+        corrected(self.estimates().into_iter().zip(other.estimates()).map(|(a, b)| welch(a, b)).collect())
+    }
+
+    /// The same against known values.
+    pub fn p_value_of(&self, known: &Known) -> f64 {
+        let n = known.values.len() as f64;
+        let mean = known.values.iter().sum::<f64>() / n;
+        let mean_variance = (mean * ROUNDING).powi(2).max(known.variances.iter().sum::<f64>() / (n * n));
+        let values = known.values.iter().copied().chain([mean]);
+        let variances = known.variances.iter().copied().chain([mean_variance]);
+        let freedom = self.images.len() as f64 - 1.0;
+        let p = |((a, va), (b, vb)): ((f64, f64), (f64, f64))| two_sided(a - b, va + vb, freedom);
+        corrected(self.estimates().into_iter().zip(values.zip(variances)).map(p).collect())
+    }
+
+    /// Standard error of the image's mean, relative.
+    pub fn relative_error(&self) -> f64 {
+        let estimates = self.estimates();
+        let (mean, square) = estimates[estimates.len() - 1];
+        square.sqrt() / mean
+    }
+}
+
+pub fn assert_same(p: f64, what: &str) {
+    println!("{what}: p = {p:.2e}");
+    assert!(p > SIGNIFICANCE, "{what}: p = {p:e}");
+}
+
+pub fn assert_different(p: f64, what: &str) {
+    println!("{what}: p = {p:.2e}, as it must be");
+    assert!(p < SIGNIFICANCE, "{what}: an error that has to be seen has p = {p:e}");
+}
+
+/// Mean and its squared standard error.
+fn moments(x: &[f64]) -> (f64, f64) {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    (mean, x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n * (n - 1.0)))
+}
+
+fn two_sided(difference: f64, variance: f64, freedom: f64) -> f64 {
+    if difference == 0.0 {
+        return 1.0;
+    }
+    let t = difference.abs() / variance.sqrt();
+    if t.is_infinite() {
+        return 0.0;
+    }
+    2.0 * StudentsT::new(0.0, 1.0, freedom).unwrap().sf(t)
+}
+
+/// Bonferroni: half of the significance for the last test, the image's mean, half for the others together.
+fn corrected(mut p: Vec<f64>) -> f64 {
+    let mean = p.pop().unwrap();
+    let least = p.iter().copied().fold(1.0, f64::min);
+    (2.0 * mean.min(least * p.len() as f64)).min(1.0)
+}
