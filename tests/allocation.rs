@@ -1,7 +1,7 @@
 //! A chain that is warm allocates nothing.
 
 use glam::{DVec3, Vec3};
-use mlt_core::engine::{Chain, Mixture, Purpose, Sink, Splat, Stratum, generator};
+use mlt_core::engine::{Chain, Mixture, Purpose, Sink, Stratum, generator};
 use mlt_core::primary::{PrimaryImportance, PrimaryMutation, PrimaryPath, PrimaryStratum, Tracer};
 use mlt_core::transport::{
     Rgb,
