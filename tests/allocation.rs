@@ -1,7 +1,8 @@
 //! A chain that is warm allocates nothing.
 
 use glam::{DVec3, Vec3};
-use mlt_core::engine::{Chain, Mixture, Purpose, Sink, Splat, Stratum, generator};
+use mlt_core::engine::{Chain, Mixture, Purpose, Sink, Stratum, generator};
+use mlt_core::primary::{PrimaryImportance, PrimaryMutation, PrimaryPath, PrimaryStratum, Tracer};
 use mlt_core::transport::{
     Rgb,
     bsdf::{Bsdf, Lambert, Mirror},
@@ -11,6 +12,7 @@ use mlt_core::transport::{
     mesh::Mesh,
     mutate::PathMutation,
     path::{LightPath, Luminance, View},
+    primary::{AllConnections, Multiplexed, Part, Techniques},
     scene::Scene,
     strata::{LightStrata, Stratification},
     stratum::LightStratum,
@@ -58,8 +60,8 @@ fn allocations(work: impl FnOnce()) -> u64 {
 /// Forgets what it is given.
 struct Nowhere;
 
-impl Sink<Splat<3>> for Nowhere {
-    fn deposit(&mut self, _: Splat<3>, _: f64) {}
+impl<S> Sink<S> for Nowhere {
+    fn deposit(&mut self, _: S, _: f64) {}
 }
 
 /// A diffuse floor and a mirror under a light.
@@ -114,6 +116,33 @@ fn a_mutation_allocates_nothing() {
         assert!(allocations(|| steps(20_000)) > 0, "the count works: a chain grows its states");
         assert_eq!(allocations(|| steps(20_000)), 0);
     }
+}
+
+#[test]
+fn a_step_in_primary_sample_space_allocates_nothing() {
+    let description = scene();
+    let pose = description.cameras[0].clone();
+    let scene = Scene::new(description).unwrap();
+    let camera = scene.camera(&pose, [32, 32]);
+    let strata = LightStrata::new(scene.lights(), Stratification::None);
+    let view = View { scene: &scene, camera: &camera };
+    let part = Part { view, strata: &strata, index: 0, max_edges: 6, importance: &Luminance };
+    let techniques = Techniques::new(part.max_edges);
+    steps_allocate_nothing(&part.all(|part| Multiplexed { part, techniques: &techniques })[0]);
+    steps_allocate_nothing(&part.all(|part| AllConnections { part })[0]);
+}
+
+fn steps_allocate_nothing<T: Tracer<N>, const N: usize>(stratum: &PrimaryStratum<T>) {
+    let mixture = Mixture::new(PrimaryMutation::both(0.3));
+    let mut rng = generator(3, Purpose::Chain, 0, 0, 0);
+    let mut start = None::<PrimaryPath<T::Output, N>>;
+    while start.is_none() {
+        stratum.sample(&mut rng, &mut |path, _| start = Some(path.clone()));
+    }
+    let mut chain = Chain::new(&mixture, &PrimaryImportance, stratum, start.unwrap()).unwrap();
+    let mut steps = |n| (0..n).for_each(|_| chain.step(&mut Nowhere, 1.0, &mut rng));
+    assert!(allocations(|| steps(100_000)) > 0, "the count works: a chain grows its states");
+    assert_eq!(allocations(|| steps(20_000)), 0);
 }
 
 #[test]

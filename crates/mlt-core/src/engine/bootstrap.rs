@@ -8,6 +8,8 @@ use super::{Generator, Importance, Purpose, Stratum, generator, uniform};
 pub(super) struct Bootstrap {
     /// Σ_states w I / p of each sample.
     weights: Vec<f64>,
+    /// Their sum.
+    total: f64,
     /// How many weights were not finite; they are 0 in `weights`.
     pub(super) non_finite: u64,
     /// What they took.
@@ -23,7 +25,7 @@ impl Bootstrap {
                 non_finite += 1;
             }
         }
-        Self { weights, non_finite, work }
+        Self { total: weights.iter().sum(), weights, non_finite, work }
     }
 
     pub(super) fn weights(&self) -> &[f64] {
@@ -32,13 +34,13 @@ impl Bootstrap {
 
     /// b̂_j = mean weight.
     pub(super) fn b(&self) -> f64 {
-        if self.weights.is_empty() { 0.0 } else { self.weights.iter().sum::<f64>() / self.weights.len() as f64 }
+        if self.weights.is_empty() { 0.0 } else { self.total / self.weights.len() as f64 }
     }
 
     /// Draws `count` samples in proportion to their weights, by systematic resampling: sample i is drawn
     /// ⌊count · w_i/Σw⌋ or one more times. Empty if all weights are 0.
     pub(super) fn choose(&self, count: u64, rng: &mut Generator) -> Vec<u64> {
-        let total: f64 = self.weights.iter().sum();
+        let total = self.total;
         if total <= 0.0 {
             return Vec::new();
         }

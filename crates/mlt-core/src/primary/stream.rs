@@ -39,7 +39,7 @@ impl Perturbation {
         let x = self.octaves * ((random >> 8) as f32 * (1.0 / (1u32 << 24) as f32));
         let whole = x as u32;
         let f = x - whole as f32;
-        // 2^−f on [0, 1), to 0.1 %: any law that does not depend on the number will do.
+        // 2^−f on [0, 1), to 0.3 %: any law that does not depend on the number will do.
         let offset = (self.largest * (1.0 - f * (0.6716 - 0.1716 * f))) as u32 >> whole;
         if random & 1 == 0 { number.wrapping_add(offset) } else { number.wrapping_sub(offset) }
     }
@@ -48,7 +48,7 @@ impl Perturbation {
 /// One sequence of numbers, each 32 bits, the number u·2³².
 ///
 /// A number is made when it is drawn: from the one that the current state has at that place, or afresh beyond its end.
-/// `next_u32` is one number, `next_u64` two.
+/// `next_u32` and `next_u64` each draw one; the latter's low half repeats it.
 #[derive(Debug)]
 pub struct Stream<'a> {
     from: &'a [u32],
@@ -98,8 +98,8 @@ impl TryRng for Stream<'_> {
 
     #[inline]
     fn try_next_u64(&mut self) -> Result<u64, Infallible> {
-        let high = self.draw();
-        Ok(u64::from(high) << 32 | u64::from(self.draw()))
+        let number = u64::from(self.draw());
+        Ok(number << 32 | number)
     }
 
     fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {

@@ -148,7 +148,7 @@ fn chi_squared(steps: usize, factor: f64) -> f64 {
         let mut chain = Chain::new(&mixture, &PrimaryImportance, &strata[0], start).expect("positive");
         (0..steps).for_each(|_| chain.step(&mut Nothing, 1.0, &mut rng));
         let path = chain.current();
-        let n = (path.numbers()[1].len() / 2 - 1) / 2;
+        let n = (path.numbers()[1].len() - 1) / 2;
         counts[(path.output().u * 4.0) as usize][n.min(3)] += 1.0;
     }
     let of_u = |i: usize| {
