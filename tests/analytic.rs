@@ -35,8 +35,9 @@ fn check(name: &str, world: &World, truth: &Known, budget: [f64; 2]) {
         let found = replicas(world, SIZE, &settings(method, Grid(2, 2), factor * budget[0]), 0..16);
         compare(format!("{method:?}"), found, error);
     }
-    for cut in [Whole, Grid(2, 2), Grid(5, 3)] {
-        compare(format!("{cut:?}"), metropolis(world, SIZE, cut, budget[1], 0..16), 0.05);
+    // The more strata, the more b̂_j share the noise.
+    for (cut, factor) in [(Whole, 1.0), (Grid(2, 2), 1.0), (Grid(5, 3), 4.0)] {
+        compare(format!("{cut:?}"), metropolis(world, SIZE, cut, factor * budget[1], 0..16), 0.05);
     }
 }
 
@@ -102,11 +103,11 @@ fn octahedron() -> Mesh {
 fn a_furnace_hides_what_absorbs_nothing() {
     let seen = || pose(DVec3::new(0.4, 0.6, 3.0), DVec3::ZERO, 40.0);
     let lossless = MetallicRoughness { roughness: 0.0, ..Default::default() };
-    // A low index: light that total reflection keeps inside for long makes estimates too skewed for Student's t.
-    let glass = MetallicRoughness { metallic: 0.0, transmission: 1.0, ior: 1.2, ..lossless.clone() };
-    for (name, material) in
-        [("mirror", lossless), ("glass", MetallicRoughness { thin: false, ..glass.clone() }), ("thin wall", glass)]
-    {
+    let wall = MetallicRoughness { metallic: 0.0, transmission: 1.0, ..lossless.clone() };
+    // Where almost all samples are 1 and few are not, rounds are too skewed for Student's t: as light that total reflection
+    // keeps inside for long makes them, so the glass has a low index.
+    let glass = MetallicRoughness { ior: 1.2, thin: false, ..wall.clone() };
+    for (name, material) in [("mirror", lossless), ("glass", glass), ("thin wall", wall)] {
         let world = furnace_about(octahedron(), material.bsdf(), seen());
         check(name, &world, &uniform_image(Rgb::ONE), [200.0, 2000.0]);
     }

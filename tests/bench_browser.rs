@@ -47,8 +47,7 @@ fn chromium() -> Option<PathBuf> {
 }
 
 fn report(folder: &TempDir) -> String {
-    let line =
-        "bench cornell --methods mlt:2x2,pt --seeds 3 --mutations 1,2 --reference-samples 8 --size 16x16 -q -o out";
+    let line = "bench cornell --methods mlt:2x2:rounds=2,pt --seeds 3 --mutations 32,64 --reference-samples 8 --size 16x16 -q -o out";
     let mut mlt = Command::new(env!("CARGO_BIN_EXE_mlt"));
     let status = mlt.current_dir(folder.path()).args(line.split_whitespace()).status().expect("mlt starts");
     assert!(status.success());

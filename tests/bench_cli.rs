@@ -12,7 +12,8 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// A study of a second: two methods, two budgets, two seeds.
-const SMALL: &str = "bench cornell --methods mlt:2x2,pt --seeds 2 --mutations 1,2 --reference-samples 8 --size 16x16";
+const SMALL: &str =
+    "bench cornell --methods mlt:2x2:rounds=2,pt --seeds 2 --mutations 32,64 --reference-samples 8 --size 16x16";
 
 fn command(folder: &TempDir, line: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_mlt"));
@@ -66,7 +67,7 @@ fn every_run_is_a_row_in_each_file() {
         for name in ["seconds", "relative_diff", "rel_mse", "mape", "flip", "rays", "b"] {
             assert!(row[name].as_f64().expect(name) > 0.0, "{name}: {row}");
         }
-        let per_pixel = if row["budget"] == "1 per pixel" { 1 } else { 2 };
+        let per_pixel = if row["budget"] == "32 per pixel" { 32 } else { 64 };
         let work = if row["method"] == "pt" { &row["samples"] } else { &row["mutations"] };
         assert_eq!(work.as_u64(), Some(per_pixel * 256), "{row}");
         assert_eq!(row["strata_list"].as_array().map(Vec::len), Some(if row["method"] == "pt" { 0 } else { 4 }));
@@ -111,7 +112,7 @@ fn a_study_goes_on_where_it_was_cut() {
     assert_eq!(text(&folder, "out/report.html"), report);
 
     // An image that has gone is made again, and with it its run.
-    fs::remove_file(folder.path().join("out/images/cornell-pt-2_per_pixel.exr")).expect("there");
+    fs::remove_file(folder.path().join("out/images/cornell-pt-64_per_pixel.exr")).expect("there");
     assert_eq!(runs_made(&made(&folder, &line)), 1);
     assert_eq!(text(&folder, "out/report.html"), report);
 
@@ -175,7 +176,7 @@ fn bad_input_is_one_sentence_and_renders_nothing() {
         (SMALL.to_owned(), 2, "--output"),
         (format!("{SMALL} -o out").replace("pt", "photon"), 2, "invalid value 'photon'"),
         (format!("{SMALL} -o out").replace("2x2", "4x"), 2, "as in 4x4"),
-        (format!("{SMALL} -o out").replace("mlt:2x2", "pt"), 2, "given twice"),
+        (format!("{SMALL} -o out").replace("mlt:2x2:rounds=2", "pt"), 2, "given twice"),
         (format!("{SMALL} -o out").replace("cornell", "nowhere"), 2, "nowhere"),
         (format!("{SMALL} --paper -o out"), 2, "cannot be used with"),
         (format!("{SMALL} -o file"), 1, "file: cannot be created"),

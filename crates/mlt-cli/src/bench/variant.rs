@@ -101,7 +101,7 @@ mod tests {
         for (text, part) in [
             ("photon", "invalid value 'photon' for '--method"),
             ("", "--method"),
-            ("mlt:9", "as in 4x4"),
+            ("mlt:x9", "as in 4x4"),
             ("mlt:4x4:4x4", "as in mlt:4x4"),
             ("mlt:colour=red", "'--colour'"),
             ("mlt:rounds=0", "--rounds"),
