@@ -127,7 +127,7 @@ impl<T: ImageSampler> Estimator<3> for Independent<'_, T> {
         self.samples(round)
     }
 
-    fn tally(&self, total: &mut SampleTally, _round: u64, tasks: Vec<SampleTally>) {
+    fn tally(&self, total: &mut SampleTally, _round: &u64, tasks: Vec<SampleTally>) {
         total.samples += tasks.iter().map(|t| t.samples).sum::<u64>();
         total.rays += tasks.iter().map(|t| t.rays).sum::<u64>();
     }
