@@ -1,10 +1,14 @@
 //! What a render tells about itself.
 
+mod decision;
+
 use std::{collections::BTreeMap, fmt};
 
 use serde::Serialize;
 
 use crate::progress::short;
+
+pub use decision::{Decision, Part};
 
 /// The report of `mlt render --json`, one object; [`Display`](fmt::Display) is the same for reading.
 #[derive(Clone, Debug, Serialize)]
@@ -13,7 +17,7 @@ pub struct Report {
     pub version: String,
     /// The scene as named on the command line.
     pub scene: String,
-    /// `mlt`, `bdpt` or `pt`.
+    /// As named on the command line.
     pub method: String,
     /// As given: `none`, `auto`, a number or `NxM`, and classes.
     pub strata_option: String,
@@ -67,6 +71,8 @@ pub struct Report {
     pub strata: Vec<StratumReport>,
     /// Estimated relative error of the image, a fraction; `None` when there were too few rounds to tell.
     pub relative_error: Option<f64>,
+    /// What the method `auto` decided; `None` for other methods.
+    pub decision: Option<Decision>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// Files written.
@@ -130,6 +136,7 @@ impl fmt::Display for Report {
         if self.pilot_rays > 0 {
             writeln!(f, "  pilot           {} mutations, {} rays", self.pilot_mutations, self.pilot_rays)?;
         }
+        self.decision.as_ref().map_or(Ok(()), |decision| write!(f, "{decision}"))?;
         write!(f, "{}", self.acceptance)?;
         writeln!(f, "  b               {} ± {}", number(self.b), number(self.b_stderr))?;
         self.write_strata(f)?;
@@ -203,6 +210,7 @@ mod tests {
             b_stderr: 0.001,
             strata: vec![StratumReport { b: 0.025, b_stderr: 0.0001, mutations: 150_000, longest_rejection: 31 }; 20],
             relative_error: Some(0.0213),
+            decision: None,
             warnings: vec!["textures are left out".into()],
             outputs: vec!["a.exr".into()],
         }
