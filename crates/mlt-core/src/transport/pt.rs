@@ -15,7 +15,7 @@ use glam::{DVec3, Vec2, Vec3};
 use rand_pcg::rand_core::Rng;
 
 /// Surfaces that a path meets before roulette may end it.
-const CERTAIN_BOUNCES: usize = 3;
+const CERTAIN_BOUNCES: usize = 4;
 /// Bounds of the probability of going on.
 const SURVIVAL: (f64, f64) = (0.05, 0.95);
 
@@ -116,7 +116,8 @@ impl PathTracer<'_> {
         let cos = walk.vertex.geometric_normal.dot(direction).abs();
         let mut throughput = walk.throughput * (scatter * (cos / pdf)).as_dvec3();
         if walk.edges >= CERTAIN_BOUNCES {
-            let survival = throughput.max_element().clamp(SURVIVAL.0, SURVIVAL.1);
+            // The root makes paths longer than their throughput alone: less noise for the time (docs/performance.md).
+            let survival = throughput.max_element().sqrt().clamp(SURVIVAL.0, SURVIVAL.1);
             if uniform(rng) >= survival {
                 return None;
             }
