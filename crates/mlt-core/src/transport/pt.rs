@@ -7,6 +7,7 @@
 use super::Rgb;
 use super::path::View;
 use super::region::LightRegion;
+use super::surface::Sampled;
 use super::vertex::Vertex;
 use crate::engine::{uniform, uniform_f32};
 use glam::{DVec3, Vec2, Vec3};
@@ -15,7 +16,7 @@ use rand_pcg::rand_core::Rng;
 /// Surfaces that a path meets before roulette may end it.
 const CERTAIN_BOUNCES: usize = 3;
 /// Bounds of the probability of going on.
-const SURVIVAL: (f64, f64) = (0.05, 0.95);
+const SURVIVAL: (f32, f32) = (0.05, 0.95);
 
 /// The sampler of radiance along camera rays.
 #[derive(Clone, Copy)]
@@ -33,10 +34,10 @@ struct Walk {
     vertex: Vertex,
     to_eye: Vec3,
     /// Product of scattering and cosines over densities.
-    throughput: DVec3,
+    throughput: Rgb,
     /// Density per solid angle of the step to `vertex`, over the squared length of the step; `None` if it came from the
     /// camera or by a delta BSDF.
-    pdf: Option<f64>,
+    pdf: Option<f32>,
     edges: usize,
 }
 
@@ -45,42 +46,42 @@ impl PathTracer<'_> {
     pub fn radiance(&self, image: Vec2, rng: &mut impl Rng) -> DVec3 {
         let camera = self.view.camera.vertex();
         let direction = self.view.camera.direction(image);
-        let mut radiance = DVec3::ZERO;
-        let mut next = self.view.scene.trace(&camera, direction).map(|vertex| Walk {
-            vertex,
-            to_eye: -direction,
-            throughput: DVec3::ONE,
-            pdf: None,
-            edges: 1,
-        });
-        while let Some(walk) = next {
-            radiance += walk.throughput * self.emitted(&walk);
+        let Some(vertex) = self.view.scene.trace(&camera, direction) else { return DVec3::ZERO };
+        let mut walk = Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf: None, edges: 1 };
+        let mut radiance = Rgb::ZERO;
+        loop {
+            if walk.vertex.emits {
+                radiance += walk.throughput * self.emitted(&walk);
+            }
             if walk.edges >= self.max_edges {
                 break;
             }
             if !walk.vertex.delta {
                 radiance += walk.throughput * self.direct(&walk, rng);
             }
-            next = self.scatter(walk, rng);
+            if self.scatter(&mut walk, rng).is_none() {
+                break;
+            }
         }
-        radiance
+        radiance.as_dvec3()
     }
 
     /// Emission met by the last step, weighed against having drawn that point on the light.
-    fn emitted(&self, walk: &Walk) -> DVec3 {
+    fn emitted(&self, walk: &Walk) -> Rgb {
         let scene = self.view.scene;
-        let emitted = scene.emitted(&walk.vertex, walk.to_eye).as_dvec3();
+        let emitted = scene.emitted(&walk.vertex, walk.to_eye);
         match (walk.pdf, scene.lights().of(walk.vertex.primitive)) {
-            (Some(pdf), Some(light)) if emitted != DVec3::ZERO => {
-                let cos = f64::from(walk.vertex.geometric_normal.dot(walk.to_eye).abs());
-                emitted * power_heuristic(pdf * cos, light.exitance() / self.region.power())
+            (Some(pdf), Some(light)) if emitted != Rgb::ZERO => {
+                let cos = walk.vertex.geometric_normal.dot(walk.to_eye).abs();
+                emitted * power_heuristic(pdf * cos, (light.exitance() / self.region.power()) as f32)
             }
             _ => emitted,
         }
     }
 
     /// Light that arrives from a point drawn on the lights, weighed against meeting that point by scattering.
-    fn direct(&self, walk: &Walk, rng: &mut impl Rng) -> DVec3 {
+    #[inline]
+    fn direct(&self, walk: &Walk, rng: &mut impl Rng) -> Rgb {
         let scene = self.view.scene;
         let point = self.region.sample(uniform(rng), f64::from(uniform_f32(rng)));
         let (light, source) = scene.light_point(&point);
@@ -88,43 +89,47 @@ impl PathTracer<'_> {
         let square = step.length_squared();
         let to_light = step / square.sqrt();
         let emitted = scene.emitted(&source, -to_light);
-        let Some(scatter) = scene.scatter(&walk.vertex, to_light, walk.to_eye).filter(|_| emitted != Rgb::ZERO) else {
-            return DVec3::ZERO;
-        };
-        if square <= 0.0 || !scene.visible(&walk.vertex, &source) {
-            return DVec3::ZERO;
+        if square <= 0.0 || emitted == Rgb::ZERO {
+            return Rgb::ZERO;
         }
-        let cos = f64::from(source.geometric_normal.dot(to_light).abs()) / f64::from(square);
-        let density = light.exitance() / self.region.power();
-        let scattered = f64::from(scene.pdf(&walk.vertex, walk.to_eye, to_light)) * cos;
-        let geometric = f64::from(walk.vertex.geometric_normal.dot(to_light).abs()) * cos;
-        (emitted * scatter).as_dvec3() * (geometric / density * power_heuristic(density, scattered))
+        let Some(found) = scene.evaluate(&walk.vertex, to_light, walk.to_eye) else {
+            return Rgb::ZERO;
+        };
+        if !scene.visible(&walk.vertex, &source) {
+            return Rgb::ZERO;
+        }
+        let cos = source.geometric_normal.dot(to_light).abs() / square;
+        let density = (light.exitance() / self.region.power()) as f32;
+        let geometric = walk.vertex.geometric_normal.dot(to_light).abs() * cos;
+        emitted * found.value * (geometric / density * power_heuristic(density, found.pdf_to_light * cos))
     }
 
     /// The next step; `None` where the path ends.
-    fn scatter(&self, walk: Walk, rng: &mut impl Rng) -> Option<Walk> {
+    #[inline]
+    fn scatter(&self, walk: &mut Walk, rng: &mut impl Rng) -> Option<()> {
         let scene = self.view.scene;
-        let direction = scene.sample(&walk.vertex, walk.to_eye, rng)?;
-        let scatter = scene.scatter(&walk.vertex, direction, walk.to_eye)?;
-        let pdf = scene.pdf(&walk.vertex, walk.to_eye, direction);
-        let cos = walk.vertex.geometric_normal.dot(direction).abs();
-        let mut throughput = walk.throughput * (scatter * (cos / pdf)).as_dvec3();
+        let Sampled { to_light: direction, weight, pdf } = scene.sample_to_light(&walk.vertex, walk.to_eye, rng)?;
+        walk.throughput *= weight;
         if walk.edges >= CERTAIN_BOUNCES {
-            let survival = throughput.max_element().clamp(SURVIVAL.0, SURVIVAL.1);
-            if uniform(rng) >= survival {
+            let survival = walk.throughput.max_element().clamp(SURVIVAL.0, SURVIVAL.1);
+            if uniform_f32(rng) >= survival {
                 return None;
             }
-            throughput /= survival;
+            walk.throughput /= survival;
         }
         let vertex = scene.trace(&walk.vertex, direction)?;
-        let square = f64::from(vertex.position.distance_squared(walk.vertex.position));
-        let pdf = (!walk.vertex.delta).then_some(f64::from(pdf) / square);
-        Some(Walk { vertex, to_eye: -direction, throughput, pdf, edges: walk.edges + 1 })
+        let square = vertex.position.distance_squared(walk.vertex.position);
+        walk.pdf = (!walk.vertex.delta).then_some(pdf / square);
+        walk.vertex = vertex;
+        walk.to_eye = -direction;
+        walk.edges += 1;
+        Some(())
     }
 }
 
 /// p² / (p² + q²).
-fn power_heuristic(p: f64, q: f64) -> f64 {
+#[inline]
+fn power_heuristic(p: f32, q: f32) -> f32 {
     let ratio = q / p;
     1.0 / (1.0 + ratio * ratio)
 }
