@@ -22,6 +22,8 @@ pub struct Vertex {
     pub error: f32,
     /// Whether it scatters into discrete directions only, so that nothing can be connected to it.
     pub delta: bool,
+    /// Whether it lies on a light.
+    pub emits: bool,
 }
 
 impl Vertex {
@@ -35,6 +37,7 @@ impl Vertex {
             material: 0,
             error: 0.0,
             delta: false,
+            emits: false,
         }
     }
 
