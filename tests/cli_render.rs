@@ -87,8 +87,8 @@ fn alone_it_renders_the_cornell_box_into_two_files_here() {
     let output = made(&folder, "--size 32x32");
     assert_eq!(names(folder.path()), ["cornell.exr", "cornell.png"]);
     let (said, report) = (text(&output.stderr), text(&output.stdout));
-    assert!(said.starts_with("no budget given; 128 mutations per pixel in 16 rounds\n"), "{said}");
-    assert!(report.starts_with("cornell: mlt, strata none, 32x32, seed 0\n"), "{report}");
+    assert!(said.starts_with("no budget given; 64 samples per pixel in 16 rounds\n"), "{said}");
+    assert!(report.starts_with("cornell: auto, strata none, 32x32, seed 0\n"), "{report}");
     assert!(report.ends_with("written         cornell.exr\n  written         cornell.png\n"), "{report}");
 }
 
@@ -276,8 +276,8 @@ fn wrong_usage_is_refused_before_anything_is_rendered() {
         ("-o none/a.exr", "the folder none does not exist"),
         ("-o a.jpg", "has to end in .exr or .png"),
         ("-o a.exr -o a.exr", "given twice"),
-        ("--method pt --mutations-per-pixel 8", "pt makes no mutations; use --samples-per-pixel"),
-        ("--method bdpt --mutations-per-pixel 8", "bdpt makes no mutations; use --samples-per-pixel"),
+        ("--method pt --mutations-per-pixel 8", "pt is not told how many to make; use --samples-per-pixel"),
+        ("--method bdpt --mutations-per-pixel 8", "bdpt is not told how many to make; use --samples-per-pixel"),
         ("--mutations-per-pixel 1e300", "at most 1e9"),
         ("--time 3", "as in 30s"),
         ("--threads 100000", "between 1 and 1024"),

@@ -159,13 +159,15 @@ fn settings(options: &RenderOptions, per_pixel: f64) -> Settings {
     }
 }
 
-/// Settings for a trial of speed: what a pilot would find does not matter much to it.
+/// Settings for a trial of speed: what a pilot would find does not matter much to it, and the work of `auto` is that of as
+/// many samples of path tracing.
 fn without_pilot(settings: Settings) -> Settings {
+    let method = if settings.method == Method::Auto { Method::Path } else { settings.method };
     let stratification = match settings.stratification {
         Stratification::Auto => Stratification::None,
         other => other,
     };
-    Settings { stratification, adaptation: Adaptation::default(), target: Target::Luminance, ..settings }
+    Settings { method, stratification, adaptation: Adaptation::default(), target: Target::Luminance, ..settings }
 }
 
 /// When a render ends.

@@ -113,16 +113,22 @@ pub struct PartSummary {
     pub in_chains: bool,
 }
 
-/// Pixels of the image for each of the pilot's.
+/// Pixels of the image for each of the pilot's, but no fewer than [`USUAL_PIXELS`].
 const REDUCTION: f64 = 16.0;
-/// Fewest and most pixels of the pilot's image.
-const PIXELS: [f64; 2] = [4096.0, 16_384.0];
+/// Pixels of the pilot's image, unless that takes too long.
+const USUAL_PIXELS: f64 = 4096.0;
+/// Fewest and most of them.
+const PIXELS: [f64; 2] = [256.0, 16_384.0];
+/// Time of the pilot over that of a round, at most.
+const ROUNDS_OF_TIME: f64 = 1.5;
+/// Time of the pilot's chains for one of its pixels, in samples of path tracing, about.
+const TIME_OF_CHAINS: f64 = 30.0;
 /// Samples of path tracing in the time of one of bidirectional path tracing, about.
 const PATHS: f64 = 4.0;
 /// Mutations a pixel and round of the pilot.
 const MUTATIONS: f64 = 8.0;
 /// Mutations for each independent sample of the pilot.
-const MUTATIONS_A_SAMPLE: u64 = 4;
+const MUTATIONS_A_SAMPLE: u64 = 8;
 /// Rounds of the pilot's chains.
 const ROUNDS: u64 = 4;
 /// Most parts of the lights, unless they are asked for.
@@ -191,7 +197,9 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
     /// Size of the pilot's image.
     fn size(&self) -> [u32; 2] {
         let [w, h] = self.view.camera.size().map(f64::from);
-        let pixels = (w * h / REDUCTION).clamp(PIXELS[0], PIXELS[1]);
+        let time_of_a_pixel = 4.0 * self.per_pixel.max(4.0) + TIME_OF_CHAINS;
+        let affordable = ROUNDS_OF_TIME * self.per_pixel * w * h / time_of_a_pixel;
+        let pixels = (w * h / REDUCTION).max(USUAL_PIXELS).min(affordable).clamp(PIXELS[0], PIXELS[1]);
         let scale = (pixels / (w * h)).sqrt().min(1.0);
         [w, h].map(|n| (n * scale).round().max(1.0) as u32)
     }
