@@ -115,7 +115,7 @@ fn errors_are_seen(name: &str, world: &World, truth: &Known, estimates: &[Replic
 
 #[test]
 fn methods_agree_on_cornell() {
-    methods_agree("cornell", 512.0, 8000.0);
+    methods_agree("cornell", 2048.0, 8000.0);
 }
 
 #[test]
