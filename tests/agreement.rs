@@ -3,11 +3,12 @@
 mod proof_support;
 
 use exr::prelude::*;
-use glam::Vec2;
-use mlt_core::engine::{Path, Sink, Splat};
+use glam::{DVec3, Vec2};
+use mlt_core::engine::Path;
 use mlt_core::transport::{
     bdpt::{Bidirectional, MOST_EDGES},
-    independent::{ImageSampler, Independent},
+    independent::{AllPaths, ImageSampler, Independent, SampleCounts},
+    kind::{Kind, LightEnd, PathEnd},
     path::View,
     region::LightRegion,
     render::Method,
@@ -60,11 +61,14 @@ impl ImageSampler for BrightDirectLight<'_> {
         self.0.size()
     }
 
-    fn deposit(&self, image: Vec2, weight: f64, sink: &mut impl Sink<Splat<3>>, rng: &mut impl Rng) {
+    fn sample(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
         let pixels = f64::from(self.0.view.camera.pixels());
         self.0.sample_at(image, rng, &mut |path, density| {
             let error = if path.edges() == 2 { 1.02 } else { 1.0 };
-            path.splats().for_each(|splat| sink.deposit(splat, weight * density * error / pixels));
+            let end = PathEnd { kind: Kind::of(path), light: LightEnd::Drawn(path.light()) };
+            for splat in path.splats() {
+                visit(Some(splat.site), DVec3::from_array(splat.value) * (density * error / pixels), end);
+            }
         });
     }
 }
@@ -98,7 +102,7 @@ fn errors_are_seen(name: &str, world: &World, truth: &Known, estimates: &[Replic
     let region = LightRegion::whole(world.scene.lights());
     let view = View { scene: &world.scene, camera: &camera };
     let sampler = BrightDirectLight(Bidirectional { view, region: &region, max_edges: MOST_EDGES });
-    let estimator = Independent { sampler: &sampler, samples_per_pixel: 256.0, seed: 5 };
+    let estimator = Independent { sampler: &sampler, selection: AllPaths, counts: SampleCounts::Even(256.0), seed: 5 };
     let unit = world.scene.typical_radiance();
     check(&replicas_of(&estimator, camera.pixels(), unit, ROUNDS), "direct light two per cent too bright");
     let lights = &world.scene.lights().lights;

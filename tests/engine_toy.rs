@@ -359,7 +359,7 @@ impl Estimator<2> for Uneven {
         [1, 5, 20, 50][round as usize % 4]
     }
 
-    fn tally(&self, _: &mut (), _: u64, _: Vec<()>) {}
+    fn tally(&self, _: &mut (), _: &u64, _: Vec<()>) {}
 }
 
 #[test]

@@ -101,5 +101,5 @@ impl Estimator<3> for Unpaired<'_> {
         1
     }
 
-    fn tally(&self, _: &mut (), _: u64, _: Vec<()>) {}
+    fn tally(&self, _: &mut (), _: &u64, _: Vec<()>) {}
 }

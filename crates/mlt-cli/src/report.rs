@@ -57,6 +57,8 @@ pub struct Report {
     pub pilot_rays: u64,
     /// Share of proposals accepted.
     pub acceptance: Acceptance,
+    /// By name of the mutation, the longest run of its proposals in a chain of which none was accepted.
+    pub longest_rejection: BTreeMap<String, u64>,
     /// ∫ I over all paths: mean importance of the image, all strata together.
     pub b: f64,
     /// Standard error of `b`.
@@ -90,6 +92,8 @@ pub struct StratumReport {
     pub b_stderr: f64,
     /// Metropolis–Hastings steps in this stratum.
     pub mutations: u64,
+    /// Longest run of them, in one chain, without an acceptance.
+    pub longest_rejection: u64,
 }
 
 /// A quantity of any size, for reading.
@@ -142,7 +146,7 @@ impl Report {
             return Ok(());
         }
         for (j, stratum) in self.strata.iter().take(STRATA_SHOWN).enumerate() {
-            let StratumReport { b, b_stderr, mutations } = stratum;
+            let StratumReport { b, b_stderr, mutations, .. } = stratum;
             writeln!(f, "  stratum {j:<6}  b {} ± {}, {mutations} mutations", number(*b), number(*b_stderr))?;
         }
         match self.strata.len().saturating_sub(STRATA_SHOWN) {
@@ -194,9 +198,10 @@ mod tests {
             pilot_mutations: 100_000,
             pilot_rays: 400_000,
             acceptance: Acceptance { mutations, total: Some(0.25) },
+            longest_rejection: [("bidirectional".to_owned(), 31)].into(),
             b: 0.5,
             b_stderr: 0.001,
-            strata: vec![StratumReport { b: 0.025, b_stderr: 0.0001, mutations: 150_000 }; 20],
+            strata: vec![StratumReport { b: 0.025, b_stderr: 0.0001, mutations: 150_000, longest_rejection: 31 }; 20],
             relative_error: Some(0.0213),
             warnings: vec!["textures are left out".into()],
             outputs: vec!["a.exr".into()],
@@ -233,6 +238,10 @@ mod tests {
         assert!(json["acceptance"]["lens"].is_null());
         assert_eq!(json["strata"][19]["b_stderr"], 0.0001);
         assert_eq!(json["strata"][0]["mutations"], 150_000);
+        assert_eq!(
+            (&json["strata"][0]["longest_rejection"], &json["longest_rejection"]["bidirectional"]),
+            (&31.into(), &31.into())
+        );
     }
 
     #[test]

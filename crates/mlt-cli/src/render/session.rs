@@ -1,6 +1,7 @@
 //! Rounds until the end.
 
 use std::{
+    collections::BTreeMap,
     ops::ControlFlow,
     time::{Duration, Instant},
 };
@@ -207,6 +208,7 @@ fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Count
     let [width, height] = setup.camera.size().map(|n| n as usize);
     let error = relative_error(film);
     let (b, b_stderr) = image_mean(film, counts);
+    let mutations = by_mutation(counts);
     let mut report = Report {
         version: env!("CARGO_PKG_VERSION").into(),
         scene: setup.name.clone(),
@@ -231,7 +233,8 @@ fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Count
         rays: counts.rays,
         pilot_mutations: counts.pilot_mutations,
         pilot_rays: counts.pilot_rays,
-        acceptance: acceptance(counts),
+        acceptance: acceptance(&mutations),
+        longest_rejection: mutations.iter().map(|(name, stats)| (name.clone(), stats.longest_rejection)).collect(),
         b,
         b_stderr,
         strata: counts.strata.iter().map(stratum).collect(),
@@ -255,20 +258,27 @@ fn image_mean(film: &Film<3>, counts: &Counts) -> (f64, f64) {
     (pixels().map(|p| p.0).sum::<f64>() / n, root(pixels().map(|p| p.1 * p.1).sum()) / n)
 }
 
-fn acceptance(counts: &Counts) -> Acceptance {
-    let rate = |stats: &MutationStats| (stats.total() > 0).then(|| stats.acceptance());
-    let mut totals = vec![MutationStats::default(); counts.mutations.len()];
-    let mut all = MutationStats::default();
-    for stats in counts.strata.iter().flat_map(|s| s.mutations.iter().enumerate()) {
-        totals[stats.0].merge(stats.1);
-        all.merge(stats.1);
+/// Counts of each mutation over all strata.
+fn by_mutation(counts: &Counts) -> BTreeMap<String, MutationStats> {
+    let mut mutations: BTreeMap<_, _> =
+        counts.mutations.iter().map(|name| ((*name).to_owned(), MutationStats::default())).collect();
+    for (name, stats) in counts.strata.iter().flat_map(|s| counts.mutations.iter().zip(&s.mutations)) {
+        mutations.entry((*name).to_owned()).or_default().merge(stats);
     }
-    let mutations = counts.mutations.iter().zip(&totals).map(|(name, stats)| ((*name).to_owned(), rate(stats)));
+    mutations
+}
+
+fn acceptance(mutations: &BTreeMap<String, MutationStats>) -> Acceptance {
+    let rate = |stats: &MutationStats| (stats.total() > 0).then(|| stats.acceptance());
+    let mut all = MutationStats::default();
+    mutations.values().for_each(|stats| all.merge(stats));
+    let mutations = mutations.iter().map(|(name, stats)| (name.clone(), rate(stats)));
     Acceptance { mutations: mutations.collect(), total: rate(&all) }
 }
 
 fn stratum(stats: &StratumStats) -> StratumReport {
-    StratumReport { b: stats.b(), b_stderr: stats.b_stderr(), mutations: stats.steps() }
+    let (b, b_stderr, longest_rejection) = (stats.b(), stats.b_stderr(), stats.longest_rejection);
+    StratumReport { b, b_stderr, mutations: stats.steps(), longest_rejection }
 }
 
 fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {

@@ -12,7 +12,7 @@ pub struct Chain<'a, P, S, M, I> {
     proposal: P,
     current_importance: f64,
     pending: f64,
-    rejections: u64,
+    rejections: Rejections,
     stats: StratumStats,
 }
 
@@ -35,7 +35,7 @@ where
             current: start,
             current_importance,
             pending: 0.0,
-            rejections: 0,
+            rejections: Rejections { of_any: 0, of_each: vec![0; mixture.mutations().len()] },
             stats: StratumStats::new(mixture.mutations().len()),
         })
     }
@@ -52,9 +52,12 @@ where
     ///
     /// Source: [VeachGuibas97], sections 4.1 and 5.1.
     pub fn step(&mut self, sink: &mut impl Sink<P::Splat>, scale: f64, rng: &mut impl Rng) {
-        let Some(Candidate { mutation, importance, acceptance }) = self.propose(rng) else {
-            self.pending += 1.0;
-            return self.stay();
+        let Candidate { mutation, importance, acceptance } = match self.propose(rng) {
+            Ok(candidate) => candidate,
+            Err(mutation) => {
+                self.pending += 1.0;
+                return self.stay(mutation);
+            }
         };
         self.pending += 1.0 - acceptance;
         if uniform(rng) < acceptance {
@@ -62,14 +65,15 @@ where
             std::mem::swap(&mut self.current, &mut self.proposal);
             self.current_importance = importance;
             self.pending = acceptance;
-            self.rejections = 0;
+            self.rejections.of_any = 0;
+            self.rejections.of_each[mutation] = 0;
             self.stats.mutations[mutation].accepted += 1;
         } else {
             if acceptance > 0.0 {
                 deposit(&self.proposal, acceptance * scale / importance, sink);
             }
             self.stats.mutations[mutation].rejected += 1;
-            self.stay();
+            self.stay(Some(mutation));
         }
     }
 
@@ -86,22 +90,29 @@ where
         self.stats
     }
 
-    fn stay(&mut self) {
-        self.rejections += 1;
-        self.stats.longest_rejection = self.stats.longest_rejection.max(self.rejections);
+    /// Counts a step that `mutation`, if any applied, did not bring anywhere.
+    fn stay(&mut self, mutation: Option<usize>) {
+        let Rejections { of_any, of_each } = &mut self.rejections;
+        *of_any += 1;
+        self.stats.longest_rejection = self.stats.longest_rejection.max(*of_any);
+        if let Some(mutation) = mutation {
+            of_each[mutation] += 1;
+            let longest = &mut self.stats.mutations[mutation].longest_rejection;
+            *longest = of_each[mutation].max(*longest);
+        }
     }
 
-    /// Writes a proposal; `None` where there is none that could be accepted, which is counted here.
-    fn propose(&mut self, rng: &mut impl Rng) -> Option<Candidate> {
+    /// Writes a proposal; where there is none that could be accepted, which is counted here, the mutation that failed.
+    fn propose(&mut self, rng: &mut impl Rng) -> Result<Candidate, Option<usize>> {
         let Some((mutation, probability)) = self.mixture.select(&self.current, rng) else {
             self.stats.idle += 1;
-            return None;
+            return Err(None);
         };
         let proposed = self.mixture.mutations()[mutation].propose(&self.current, &mut self.proposal, self.stratum, rng);
         let stats = &mut self.stats.mutations[mutation];
         let Some(ratio) = proposed else {
             stats.failed += 1;
-            return None;
+            return Err(Some(mutation));
         };
         let inside = self.stratum.contains(&self.proposal);
         let importance = if inside { self.importance.eval(&self.proposal) } else { 0.0 };
@@ -109,10 +120,18 @@ where
         let acceptance = importance * ratio / self.current_importance;
         if !(importance.is_finite() && acceptance.is_finite() && acceptance >= 0.0) {
             stats.non_finite += 1;
-            return None;
+            return Err(Some(mutation));
         }
-        Some(Candidate { mutation, importance, acceptance: acceptance.min(1.0) })
+        Ok(Candidate { mutation, importance, acceptance: acceptance.min(1.0) })
     }
+}
+
+/// Lengths of the present runs without an acceptance.
+struct Rejections {
+    /// Of steps.
+    of_any: u64,
+    /// Of each mutation's proposals.
+    of_each: Vec<u64>,
 }
 
 /// A proposal that the chain may accept.
@@ -124,4 +143,58 @@ struct Candidate {
 
 fn deposit<P: Path>(path: &P, weight: f64, sink: &mut impl Sink<P::Splat>) {
     path.splats().for_each(|splat| sink.deposit(splat, weight));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Film, Purpose, Splat, generator};
+
+    #[test]
+    fn runs_of_rejections_are_counted_by_mutation() {
+        /// A state that nothing leaves, or a step that is always taken.
+        struct Coin {
+            moves: bool,
+        }
+        #[derive(Clone)]
+        struct Here;
+        struct Everywhere;
+        impl Path for Here {
+            type Splat = Splat<1>;
+
+            fn splats(&self) -> impl Iterator<Item = Splat<1>> {
+                std::iter::empty()
+            }
+        }
+        impl Stratum<Here> for Everywhere {
+            fn contains(&self, _: &Here) -> bool {
+                true
+            }
+            fn sample(&self, _: &mut impl Rng, visit: &mut impl FnMut(&Here, f64)) {
+                visit(&Here, 1.0);
+            }
+            fn power(&self) -> f64 {
+                1.0
+            }
+        }
+        impl Mutation<Here, Everywhere> for Coin {
+            fn name(&self) -> &'static str {
+                if self.moves { "moves" } else { "stays" }
+            }
+            fn propose(&self, _: &Here, _: &mut Here, _: &Everywhere, _: &mut impl Rng) -> Option<f64> {
+                self.moves.then_some(1.0)
+            }
+        }
+        let mixture = Mixture::new(vec![Coin { moves: true }, Coin { moves: false }]);
+        let importance = |_: &Here| 1.0;
+        let mut chain = Chain::new(&mixture, &importance, &Everywhere, Here).expect("a start");
+        let mut rng = generator(1, Purpose::Chain, 0, 0, 0);
+        (0..1000).for_each(|_| chain.step(&mut Film::<1>::new(1, 1.0).deposits(), 1.0, &mut rng));
+        let stats = chain.into_stats();
+        let [moves, stays] = [&stats.mutations[0], &stats.mutations[1]];
+        assert_eq!((moves.longest_rejection, moves.accepted), (0, moves.total()));
+        assert_eq!((stays.longest_rejection, stays.failed), (stays.total(), stays.total()));
+        // Of all steps, only those between two moves: ln 1000 / ln 2 is about 10.
+        assert!((5..25).contains(&stats.longest_rejection), "{}", stats.longest_rejection);
+    }
 }

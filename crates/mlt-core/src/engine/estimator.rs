@@ -6,6 +6,8 @@ use std::ops::{ControlFlow, Range};
 
 /// Deposits that may wait for their merge, bytes.
 const WAITING_DEPOSITS: usize = 8 << 20;
+/// Tasks for each thread that rounds in flight have at least.
+const TASKS_A_THREAD: usize = 8;
 
 /// An unbiased estimator of the whole film that can be repeated independently.
 ///
@@ -13,7 +15,7 @@ const WAITING_DEPOSITS: usize = 8 << 20;
 /// merged in their order: the film's bits do not depend on threads.
 pub trait Estimator<const C: usize>: Sync {
     /// What the tasks of a round share.
-    type Prepared: Sync;
+    type Prepared: Send + Sync;
     /// What a task counts.
     type Tally: Default + Send;
 
@@ -28,7 +30,7 @@ pub trait Estimator<const C: usize>: Sync {
     /// Samples in a round: the weight of its result.
     fn weight(&self, round: u64) -> u64;
     /// Adds to `total` what a finished round counted; `tasks` are in their order.
-    fn tally(&self, total: &mut Self::Tally, prepared: Self::Prepared, tasks: Vec<Self::Tally>);
+    fn tally(&self, total: &mut Self::Tally, prepared: &Self::Prepared, tasks: Vec<Self::Tally>);
 }
 
 /// Where a render stands.
@@ -54,7 +56,8 @@ pub enum Outcome {
 
 /// Adds rounds to `film` and their counts to `tally`, on the current rayon pool.
 ///
-/// `observe` is called after every batch of tasks and after every round. When it breaks, an unfinished round is dropped.
+/// Where a round has few tasks, several rounds are in flight: prepared together, with one list of tasks. `observe` is called
+/// after every batch of tasks and after every round. When it breaks, unfinished rounds are dropped.
 pub fn render<const C: usize, E: Estimator<C>>(
     estimator: &E,
     rounds: Range<u64>,
@@ -62,39 +65,190 @@ pub fn render<const C: usize, E: Estimator<C>>(
     tally: &mut E::Tally,
     observe: &mut Observer<'_, C, E::Tally>,
 ) -> Outcome {
-    let mut buffers = Vec::new();
-    for (done, round) in (0..).zip(rounds) {
-        let prepared = estimator.prepare(round);
-        let tasks = estimator.tasks(&prepared);
-        let batch = batch_size::<C>(estimator.task_deposits());
-        buffers.resize_with(batch.min(tasks), || film.deposits());
-        let mut tallies = Vec::with_capacity(tasks);
-        for first in (0..tasks).step_by(batch) {
-            let last = (first + batch).min(tasks);
-            let buffers = &mut buffers[..last - first];
-            let run = |(task, deposits): (usize, &mut Deposits<C>)| {
-                deposits.clear();
-                estimator.run(&prepared, task, deposits)
-            };
-            tallies.par_extend((first..last).into_par_iter().zip(buffers.par_iter_mut()).map(run));
-            film.add(buffers);
-            let progress = Progress { rounds: done, fraction: last as f64 / tasks as f64 };
-            if last < tasks && observe(progress, film, tally).is_break() {
-                film.drop_round();
-                return Outcome::Stopped;
-            }
-        }
-        film.close_round(estimator.weight(round));
-        estimator.tally(tally, prepared, tallies);
-        if observe(Progress { rounds: done + 1, fraction: 0.0 }, film, tally).is_break() {
+    let mut merger = Merger { estimator, film, tally, observe, tallies: Vec::new(), rounds: 0 };
+    let (mut next, mut in_flight, mut buffers) = (rounds.start, 1, Vec::new());
+    while next < rounds.end {
+        let flight = next..rounds.end.min(next.saturating_add(in_flight));
+        let prepared: Vec<_> = flight.clone().into_par_iter().map(|round| (round, estimator.prepare(round))).collect();
+        let tasks: Vec<_> =
+            prepared.iter().flat_map(|p| (0..estimator.tasks(&p.1)).map(move |task| (p, task))).collect();
+        if merger.run(&prepared, &tasks, &mut buffers).is_break() {
+            merger.film.drop_round();
             return Outcome::Stopped;
         }
+        let tasks_a_round = (tasks.len() / prepared.len()).max(1);
+        in_flight = (TASKS_A_THREAD * rayon::current_num_threads()).div_ceil(tasks_a_round) as u64;
+        next = flight.end;
     }
     Outcome::Complete
+}
+
+/// A round's number and what its tasks share.
+type Round<E, const C: usize> = (u64, <E as Estimator<C>>::Prepared);
+
+/// Merges tasks in their order and closes rounds.
+struct Merger<'a, 'o, const C: usize, E: Estimator<C>> {
+    estimator: &'a E,
+    film: &'a mut Film<C>,
+    tally: &'a mut E::Tally,
+    observe: &'a mut Observer<'o, C, E::Tally>,
+    /// Of the current round's tasks so far.
+    tallies: Vec<E::Tally>,
+    /// Rounds closed.
+    rounds: u64,
+}
+
+impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
+    /// Runs the tasks of some rounds in batches.
+    fn run(
+        &mut self,
+        rounds: &[Round<E, C>],
+        tasks: &[(&Round<E, C>, usize)],
+        buffers: &mut Vec<Deposits<C>>,
+    ) -> ControlFlow<()> {
+        let batch = batch_size::<C>(self.estimator.task_deposits());
+        if buffers.len() < batch.min(tasks.len()) {
+            buffers.resize_with(batch.min(tasks.len()), || self.film.deposits());
+        }
+        let mut open = self.close(rounds)?;
+        for tasks in tasks.chunks(batch) {
+            let estimator = self.estimator;
+            let run = |(&(round, task), deposits): (&(&Round<E, C>, usize), &mut Deposits<C>)| {
+                deposits.clear();
+                estimator.run(&round.1, task, deposits)
+            };
+            let mut tallies = tasks.par_iter().zip(buffers.par_iter_mut()).map(run).collect::<Vec<_>>().into_iter();
+            let mut merged = 0;
+            for of_round in tasks.chunk_by(|a, b| a.0.0 == b.0.0) {
+                self.film.add(&buffers[merged..merged + of_round.len()]);
+                self.tallies.extend(tallies.by_ref().take(of_round.len()));
+                merged += of_round.len();
+                open = self.close(open)?;
+            }
+            if let Some(round) = open.first().filter(|_| !self.tallies.is_empty()) {
+                let fraction = self.tallies.len() as f64 / self.estimator.tasks(&round.1) as f64;
+                (self.observe)(Progress { rounds: self.rounds, fraction }, self.film, self.tally)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Closes the first of the open rounds if all its tasks are merged, and those after it that have none; returns the rest.
+    fn close<'r>(&mut self, mut open: &'r [Round<E, C>]) -> ControlFlow<(), &'r [Round<E, C>]> {
+        while let [(round, prepared), rest @ ..] = open
+            && self.tallies.len() == self.estimator.tasks(prepared)
+        {
+            self.film.close_round(self.estimator.weight(*round));
+            self.estimator.tally(self.tally, prepared, std::mem::take(&mut self.tallies));
+            self.rounds += 1;
+            (self.observe)(Progress { rounds: self.rounds, fraction: 0.0 }, self.film, self.tally)?;
+            open = rest;
+        }
+        ControlFlow::Continue(open)
+    }
 }
 
 /// Tasks whose deposits fit the memory set aside for them, and enough to keep the threads busy.
 fn batch_size<const C: usize>(task_deposits: usize) -> usize {
     let bytes = task_deposits.max(1) * size_of::<super::Deposit<C>>();
     (WAITING_DEPOSITS / bytes).min(256).max(2 * rayon::current_num_threads())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Sink, Splat};
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::time::{Duration, Instant};
+
+    /// Rounds of some tasks, each of which lights one site.
+    struct Lamps {
+        tasks: fn(u64) -> usize,
+        /// How long a task waits for another to run beside it.
+        patience: Duration,
+        running: AtomicUsize,
+        most: AtomicUsize,
+    }
+
+    impl Estimator<1> for Lamps {
+        type Prepared = u64;
+        type Tally = usize;
+
+        fn prepare(&self, round: u64) -> u64 {
+            round
+        }
+
+        fn tasks(&self, round: &u64) -> usize {
+            (self.tasks)(*round)
+        }
+
+        fn task_deposits(&self) -> usize {
+            1
+        }
+
+        fn run(&self, round: &u64, task: usize, deposits: &mut Deposits<1>) -> usize {
+            self.running.fetch_add(1, Ordering::SeqCst);
+            let start = Instant::now();
+            while start.elapsed() < self.patience && self.running.load(Ordering::SeqCst) < 2 {
+                std::thread::yield_now();
+            }
+            self.most.fetch_max(self.running.load(Ordering::SeqCst), Ordering::SeqCst);
+            let value = 1.0 / (1.0 + *round as f64 + 0.3 * task as f64);
+            deposits.deposit(Splat { site: (*round as u32 + task as u32) % 5, value: [value] }, 1.0);
+            self.running.fetch_sub(1, Ordering::SeqCst);
+            1
+        }
+
+        fn weight(&self, round: u64) -> u64 {
+            1 + round % 3
+        }
+
+        fn tally(&self, total: &mut usize, _round: &u64, tasks: Vec<usize>) {
+            *total += tasks.len();
+        }
+    }
+
+    /// 40 rounds on some threads, stopped after `most` of them: the pixels, the number of rounds and of tasks, and how many
+    /// ran at once.
+    fn rendered(tasks: fn(u64) -> usize, threads: usize, most: u64, patience: u64) -> (Vec<f64>, u64, usize, usize) {
+        let patience = Duration::from_millis(patience);
+        let lamps = Lamps { tasks, patience, running: AtomicUsize::new(0), most: AtomicUsize::new(0) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let (film, tally) = pool.install(|| {
+            let (mut film, mut tally) = (Film::new(5, 1.0), 0);
+            let observe: &mut Observer<1, usize> = &mut |at, film, _| {
+                assert_eq!(at.rounds, film.rounds());
+                if at.rounds >= most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let _ = render(&lamps, 0..40, &mut film, &mut tally, observe);
+            (film, tally)
+        });
+        let pixels = (0..5).map(|i| film.pixel(i)[0].mean).collect();
+        (pixels, film.rounds(), tally, lamps.most.into_inner())
+    }
+
+    #[test]
+    fn rounds_of_any_size_give_the_same_bits_on_any_threads() {
+        for tasks in [(|_| 1) as fn(u64) -> usize, |r| r as usize % 4, |_| 1000, |_| 0] {
+            let alone = rendered(tasks, 1, 40, 0);
+            assert_eq!(alone.1, 40);
+            assert_eq!(alone.2, (0..40).map(tasks).sum());
+            for threads in [2, 8, 32] {
+                assert_eq!(rendered(tasks, threads, 40, 0).0, alone.0);
+            }
+        }
+    }
+
+    #[test]
+    fn rounds_of_one_task_run_side_by_side() {
+        assert_eq!(rendered(|_| 1, 2, 40, 2000).3, 2);
+    }
+
+    #[test]
+    fn a_stop_drops_the_rounds_in_flight() {
+        for stop in [1, 3, 17] {
+            let (_, rounds, tasks, _) = rendered(|_| 2, 8, stop, 0);
+            assert_eq!((rounds, tasks), (stop, 2 * stop as usize));
+        }
+    }
 }

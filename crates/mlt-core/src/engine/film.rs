@@ -31,6 +31,9 @@ impl Sums {
     /// Adds a round. Squares that do not fit stay at the largest integer, in any order of the rounds, since none is negative.
     #[inline]
     fn add(&mut self, value: f64, weight: i128) {
+        if value == 0.0 {
+            return;
+        }
         self.first = self.first.saturating_add(quantise(value).saturating_mul(weight));
         self.second = self.second.saturating_add(quantise(value * value).saturating_mul(weight));
     }

@@ -191,7 +191,7 @@ where
         1
     }
 
-    fn tally(&self, total: &mut Tally, prepared: Prepared, tasks: Vec<Tally>) {
+    fn tally(&self, total: &mut Tally, prepared: &Prepared, tasks: Vec<Tally>) {
         total.strata.resize_with(self.strata.len(), || StratumStats::new(self.mixture.mutations().len()));
         for (chain, tally) in prepared.chains.iter().zip(tasks) {
             total.strata[chain.stratum].merge(&tally.strata[0]);

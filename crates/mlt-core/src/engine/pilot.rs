@@ -76,7 +76,7 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
                 let (stratum, b) = prepared.chain(task);
                 visits[stratum].extend(sums.into_iter().map(|(site, sum)| Visits { site, round, share: sum / b }));
             }
-            self.tally(&mut tally, prepared, tallies);
+            self.tally(&mut tally, &prepared, tallies);
         }
         let lit_rounds = |stats: &StratumStats| count - stats.dark_rounds;
         let moments: Vec<_> = (visits.into_par_iter().zip(&tally.strata))

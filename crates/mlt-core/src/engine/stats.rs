@@ -11,6 +11,8 @@ pub struct MutationStats {
     pub failed: u64,
     /// Proposals with a NaN or infinite importance or ratio, rejected.
     pub non_finite: u64,
+    /// Longest run of its proposals, in one chain, of which none was accepted.
+    pub longest_rejection: u64,
 }
 
 impl MutationStats {
@@ -30,6 +32,7 @@ impl MutationStats {
         self.rejected += other.rejected;
         self.failed += other.failed;
         self.non_finite += other.non_finite;
+        self.longest_rejection = self.longest_rejection.max(other.longest_rejection);
     }
 }
 

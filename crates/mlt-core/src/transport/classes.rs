@@ -1,5 +1,6 @@
 //! Strata of path space that have nothing to do with lights: path lengths and tiles of the image.
 
+use super::kind::{Kind, Kinds};
 use super::path::LightPath;
 use glam::Vec2;
 
@@ -19,11 +20,11 @@ impl Default for Classes {
     }
 }
 
-/// Paths of some numbers of edges that cross a rectangle of the image: one class, or a product of two.
+/// Paths of some kinds that cross a rectangle of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathClass {
-    /// Fewest and most edges.
-    pub edges: [usize; 2],
+    /// The kinds.
+    pub kinds: Kinds,
     /// Corner of the rectangle with the smallest coordinates, in [0, 1]².
     pub low: Vec2,
     /// The opposite corner, which belongs to the next rectangle.
@@ -33,7 +34,7 @@ pub struct PathClass {
 impl Classes {
     /// Number of classes.
     pub fn count(&self, max_edges: usize) -> usize {
-        self.edges(max_edges).len() * (self.tiles[0].max(1) * self.tiles[1].max(1)) as usize
+        self.kinds(max_edges).len() * (self.tiles[0].max(1) * self.tiles[1].max(1)) as usize
     }
 
     /// All classes: a partition of the paths of at most `max_edges` edges.
@@ -42,25 +43,26 @@ impl Classes {
         let size = Vec2::new(columns as f32, rows as f32);
         let corners = (0..rows).flat_map(|y| (0..columns).map(move |x| Vec2::new(x as f32, y as f32)));
         let tiles: Vec<_> = corners.map(|corner| (corner / size, (corner + Vec2::ONE) / size)).collect();
-        let with = |edges| tiles.iter().map(move |&(low, high)| PathClass { edges, low, high });
-        self.edges(max_edges).into_iter().flat_map(with).collect()
+        let with = |kinds| tiles.iter().map(move |&(low, high)| PathClass { kinds, low, high });
+        self.kinds(max_edges).into_iter().flat_map(with).collect()
     }
 
-    fn edges(&self, max_edges: usize) -> Vec<[usize; 2]> {
-        if !self.lengths {
-            return vec![[1, max_edges]];
-        }
-        let classes = [[1, 2], [3, 4], [5, 8], [9, 16], [17, max_edges]];
-        classes.into_iter().map(|[least, most]| [least, most.min(max_edges)]).filter(|[l, m]| l <= m).collect()
+    fn kinds(&self, max_edges: usize) -> Vec<Kinds> {
+        if self.lengths { Kinds::by_length(max_edges).collect() } else { vec![Kinds::ALL] }
     }
 }
 
 impl PathClass {
+    /// Paths of some kinds, wherever they cross the image.
+    pub fn of_kinds(kinds: Kinds) -> Self {
+        Self { kinds, low: Vec2::ZERO, high: Vec2::ONE }
+    }
+
     /// Whether the path belongs to it.
     #[inline]
     pub fn contains(&self, path: &LightPath) -> bool {
         let inside = path.image.cmpge(self.low).all() && path.image.cmplt(self.high).all();
-        inside && (self.edges[0]..=self.edges[1]).contains(&path.edges())
+        inside && self.kinds.contains(Kind::of(path))
     }
 
     /// Its part of the image.
@@ -81,8 +83,8 @@ mod tests {
             let all = classes.all(max_edges);
             assert_eq!(all.len(), classes.count(max_edges));
             for edges in 1..=max_edges {
-                let area: f64 =
-                    all.iter().filter(|c| (c.edges[0]..=c.edges[1]).contains(&edges)).map(PathClass::area).sum();
+                let kind = Kind::new(edges, edges % 2 == 0);
+                let area: f64 = all.iter().filter(|c| c.kinds.contains(kind)).map(PathClass::area).sum();
                 assert!((area - 1.0).abs() < 1e-6, "{edges} of {max_edges}: {area}");
             }
             let rectangles: Vec<_> = all.iter().take(6).map(|c| (c.low, c.high)).collect();

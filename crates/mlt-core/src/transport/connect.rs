@@ -4,6 +4,7 @@
 //! connection adds what depends on its edge. [`Bidirectional::sample`] finds the same from whole paths.
 
 use super::bdpt::{Bidirectional, Carried, Scratch, Subpath};
+use super::kind::{Kind, LightEnd, PathEnd};
 use super::path::{PathVertex, geometric_term, set_edge, set_scattering};
 use super::{Rgb, mis};
 use glam::{DVec3, Vec2};
@@ -49,19 +50,22 @@ impl Window {
 }
 
 impl Bidirectional<'_> {
-    /// Takes one sample through a point of the image and shows `visit` its parts, each with its pixel: weighted
-    /// contributions over densities. Over uniform points of the image, their expected sum in a pixel is the integral of f
-    /// over the paths through it.
-    pub fn sample_image(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(u32, DVec3)) {
-        let pixel = self.view.camera.pixel(image);
+    /// Takes one sample through a point of the image and shows `visit` its parts, weighted contributions over densities.
+    /// Those with a pixel cross the image there, all others at the point. Over uniform points of the image, their expected
+    /// sum in a pixel is the integral of f over the paths through it.
+    pub fn sample_image(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
         self.with_subpaths(image, rng, |scratch, _| {
+            let end = scratch.eye.vertices.len();
             for t in 1..=scratch.eye.len() {
                 if let Some(value) = self.hit(&scratch.eye, t) {
-                    visit(pixel, value);
+                    let [x_0, x_1] = [&scratch.eye.vertices[end - t].vertex, &scratch.eye.vertices[end - t + 1].vertex];
+                    let kind = Kind::new(t - 1, x_1.delta);
+                    visit(None, value, PathEnd { kind, light: LightEnd::Met(x_0) });
                 }
                 for s in 1..=(self.max_edges + 1 - t).min(scratch.light.len()) {
-                    if let Some((splat, value)) = self.connection(scratch, s, t) {
-                        visit(splat.unwrap_or(pixel), value);
+                    if let Some((pixel, value)) = self.connection(scratch, s, t) {
+                        let kind = Kind::new(s + t - 1, s > 1 && scratch.light.vertices[1].vertex.delta);
+                        visit(pixel, value, PathEnd { kind, light: LightEnd::Drawn(&scratch.light_point) });
                     }
                 }
             }

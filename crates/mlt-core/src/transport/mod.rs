@@ -12,6 +12,7 @@ pub mod description;
 mod hilbert;
 pub mod importance;
 pub mod independent;
+pub mod kind;
 pub mod light;
 pub mod light_tree;
 pub mod lights;

@@ -5,6 +5,8 @@
 //! Source: [Veach97], section 9.3 (the two techniques of direct lighting, power heuristic).
 
 use super::Rgb;
+use super::kind::{Kind, LightEnd, PathEnd};
+use super::light::LightPoint;
 use super::path::View;
 use super::region::LightRegion;
 use super::vertex::Vertex;
@@ -41,11 +43,10 @@ struct Walk {
 }
 
 impl PathTracer<'_> {
-    /// One unbiased sample of the radiance through a point of the image.
-    pub fn radiance(&self, image: Vec2, rng: &mut impl Rng) -> DVec3 {
+    /// Takes one sample through a point of the image and shows `visit` its parts, whose expected sum is the radiance.
+    pub fn sample(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let camera = self.view.camera.vertex();
         let direction = self.view.camera.direction(image);
-        let mut radiance = DVec3::ZERO;
         let mut next = self.view.scene.trace(&camera, direction).map(|vertex| Walk {
             vertex,
             to_eye: -direction,
@@ -54,16 +55,22 @@ impl PathTracer<'_> {
             edges: 1,
         });
         while let Some(walk) = next {
-            radiance += walk.throughput * self.emitted(&walk);
+            let emitted = self.emitted(&walk);
+            if emitted != DVec3::ZERO {
+                let kind = Kind::new(walk.edges, walk.edges > 1 && walk.pdf.is_none());
+                visit(walk.throughput * emitted, PathEnd { kind, light: LightEnd::Met(&walk.vertex) });
+            }
             if walk.edges >= self.max_edges {
                 break;
             }
-            if !walk.vertex.delta {
-                radiance += walk.throughput * self.direct(&walk, rng);
+            if !walk.vertex.delta
+                && let Some((direct, point)) = self.direct(&walk, rng)
+            {
+                let kind = Kind::new(walk.edges + 1, false);
+                visit(walk.throughput * direct, PathEnd { kind, light: LightEnd::Drawn(&point) });
             }
             next = self.scatter(walk, rng);
         }
-        radiance
     }
 
     /// Emission met by the last step, weighed against having drawn that point on the light.
@@ -79,8 +86,8 @@ impl PathTracer<'_> {
         }
     }
 
-    /// Light that arrives from a point drawn on the lights, weighed against meeting that point by scattering.
-    fn direct(&self, walk: &Walk, rng: &mut impl Rng) -> DVec3 {
+    /// Light that arrives from a point drawn on the lights, weighed against meeting that point by scattering; and the point.
+    fn direct(&self, walk: &Walk, rng: &mut impl Rng) -> Option<(DVec3, LightPoint)> {
         let scene = self.view.scene;
         let point = self.region.sample(uniform(rng), f64::from(uniform_f32(rng)));
         let (light, source) = scene.light_point(&point);
@@ -88,17 +95,16 @@ impl PathTracer<'_> {
         let square = step.length_squared();
         let to_light = step / square.sqrt();
         let emitted = scene.emitted(&source, -to_light);
-        let Some(scatter) = scene.scatter(&walk.vertex, to_light, walk.to_eye).filter(|_| emitted != Rgb::ZERO) else {
-            return DVec3::ZERO;
-        };
+        let scatter = scene.scatter(&walk.vertex, to_light, walk.to_eye).filter(|_| emitted != Rgb::ZERO)?;
         if square <= 0.0 || !scene.visible(&walk.vertex, &source) {
-            return DVec3::ZERO;
+            return None;
         }
         let cos = f64::from(source.geometric_normal.dot(to_light).abs()) / f64::from(square);
         let density = light.exitance() / self.region.power();
         let scattered = f64::from(scene.pdf(&walk.vertex, walk.to_eye, to_light)) * cos;
         let geometric = f64::from(walk.vertex.geometric_normal.dot(to_light).abs()) * cos;
-        (emitted * scatter).as_dvec3() * (geometric / density * power_heuristic(density, scattered))
+        let weight = geometric / density * power_heuristic(density, scattered);
+        Some(((emitted * scatter).as_dvec3() * weight, point))
     }
 
     /// The next step; `None` where the path ends.

@@ -4,7 +4,7 @@ use super::adapt::{Adaptation, Adapted, Pilot, error_weights};
 use super::bdpt::{Bidirectional, MOST_EDGES};
 use super::classes::Classes;
 use super::importance::{PixelImportance, Target};
-use super::independent::{ImageSampler, Independent, SampleTally};
+use super::independent::{AllPaths, ImageSampler, Independent, SampleCounts, SampleTally};
 use super::mutate::PathMutation;
 use super::path::{LightPath, View};
 use super::primary::{AllConnections, Multiplexed, Part, Techniques};
@@ -283,8 +283,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     }
 
     fn independent<T: ImageSampler>(&self, sampler: &T, run: Run) -> Outcome {
-        let Settings { per_pixel: samples_per_pixel, seed, .. } = self.settings;
-        let estimator = Independent { sampler, samples_per_pixel, seed };
+        let Settings { per_pixel, seed, .. } = self.settings;
+        let estimator = Independent { sampler, selection: AllPaths, counts: SampleCounts::Even(per_pixel), seed };
         let counts = run.counts;
         let mut tally = SampleTally { samples: counts.samples, rays: counts.rays };
         let outcome = repeat(&estimator, run.rounds, run.film, &mut tally, run.observe);

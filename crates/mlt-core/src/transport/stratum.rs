@@ -2,6 +2,7 @@
 
 use super::bdpt::Bidirectional;
 use super::classes::{Classes, PathClass};
+use super::kind::Kinds;
 use super::light::LightPoint;
 use super::path::{LightPath, View};
 use super::region::LightRegion;
@@ -45,7 +46,7 @@ impl<'a> LightStratum<'a> {
     pub fn product(strata: &'a LightStrata, view: View<'a>, max_edges: usize, classes: Classes) -> Vec<Self> {
         let classes = classes.all(max_edges);
         let of = |(index, region), class: PathClass| {
-            let sampler = Bidirectional { view, region, max_edges: class.edges[1] };
+            let sampler = Bidirectional { view, region, max_edges: class.kinds.most_edges(max_edges) };
             Self { strata, index: Some(index), class, sampler }
         };
         (0..).zip(strata.regions()).flat_map(|part| classes.iter().map(move |&class| of(part, class))).collect()
@@ -53,7 +54,7 @@ impl<'a> LightStratum<'a> {
 
     /// All paths in one stratum whose chains change the light end within the parts of `strata`. `whole`: all lights.
     pub fn mutation_only(strata: &'a LightStrata, whole: &'a LightRegion, view: View<'a>, max_edges: usize) -> Self {
-        let class = PathClass { edges: [1, max_edges], low: Vec2::ZERO, high: Vec2::ONE };
+        let class = PathClass::of_kinds(Kinds::ALL);
         Self { strata, index: None, class, sampler: Bidirectional { view, region: whole, max_edges } }
     }
 

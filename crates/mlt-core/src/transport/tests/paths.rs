@@ -63,8 +63,9 @@ fn samples_for_the_image_are_those_of_paths() {
             });
             let mut rng = rng();
             let point = Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng));
-            sampler.sample_image(point, &mut rng, &mut |pixel, value| {
-                *image.entry(pixel).or_insert(DVec3::ZERO) += value;
+            let here = world.camera.pixel(point);
+            sampler.sample_image(point, &mut rng, &mut |pixel, value, _| {
+                *image.entry(pixel.unwrap_or(here)).or_insert(DVec3::ZERO) += value;
             });
             image.retain(|_, value| *value != DVec3::ZERO);
             lit += image.len();

@@ -1,0 +1,151 @@
+//! Kinds of paths, which some samplers find easy and others hard.
+
+use super::light::LightPoint;
+use super::path::LightPath;
+use super::vertex::Vertex;
+
+/// Classes of length: 1–2, 3–4, 5–8, 9–16 edges and more.
+const LENGTHS: usize = 5;
+/// Number of kinds.
+pub const KINDS: usize = 2 * LENGTHS;
+
+/// A path's class of length, and whether its light meets a specular surface first.
+///
+/// The second is what next-event estimation cannot sample: there is nothing to connect a light to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind(u8);
+
+/// A set of kinds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kinds(u16);
+
+impl Kind {
+    /// The kind of a path of so many edges, at least one; `specular`: x_1 is a delta vertex.
+    #[inline]
+    pub fn new(edges: usize, specular: bool) -> Self {
+        let length = ((edges.max(1) - 1) | 1).ilog2().min(LENGTHS as u32 - 1) as u8;
+        Self(2 * length + u8::from(specular))
+    }
+
+    /// The kind of a path.
+    #[inline]
+    pub fn of(path: &LightPath) -> Self {
+        Self::new(path.edges(), path.vertices()[1].vertex.delta)
+    }
+
+    /// Its number, below [`KINDS`].
+    #[inline]
+    pub fn index(self) -> usize {
+        usize::from(self.0)
+    }
+
+    /// The kind of a number below [`KINDS`].
+    pub fn from_index(index: usize) -> Self {
+        Self(index as u8)
+    }
+
+    /// Most edges of such a path, if no path has more than `most`.
+    pub fn most_edges(self, most: usize) -> usize {
+        let length = usize::from(self.0 / 2);
+        if length + 1 == LENGTHS { most } else { most.min(2 << length) }
+    }
+
+    /// For reading: `1-2 edges` or `3-4 edges, specular`.
+    pub fn name(self) -> String {
+        let least = [1, 3, 5, 9, 17][usize::from(self.0 / 2)];
+        let range = if least == 17 { "17+".into() } else { format!("{least}-{}", self.most_edges(usize::MAX)) };
+        format!("{range} edges{}", if self.0 % 2 == 1 { ", specular" } else { "" })
+    }
+}
+
+impl Kinds {
+    /// None.
+    pub const NONE: Self = Self(0);
+    /// All.
+    pub const ALL: Self = Self((1 << KINDS) - 1);
+
+    /// Both kinds of each class of length that paths of at most `most` edges have.
+    pub fn by_length(most: usize) -> impl Iterator<Item = Self> {
+        let last = Kind::new(most, false).index() / 2;
+        (0..=last).map(|length| Self(0b11 << (2 * length)))
+    }
+
+    /// With one more.
+    #[must_use]
+    pub fn with(self, kind: Kind) -> Self {
+        Self(self.0 | 1 << kind.0)
+    }
+
+    /// All others.
+    #[must_use]
+    pub fn others(self) -> Self {
+        Self(Self::ALL.0 & !self.0)
+    }
+
+    /// Whether a kind is among them.
+    #[inline]
+    pub fn contains(self, kind: Kind) -> bool {
+        self.0 >> kind.0 & 1 == 1
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The kinds in it.
+    pub fn iter(self) -> impl Iterator<Item = Kind> {
+        (0..KINDS).map(Kind::from_index).filter(move |&kind| self.contains(kind))
+    }
+
+    /// Most edges of a path of one of the kinds, if no path has more than `most`; 0 for no kind.
+    pub fn most_edges(self, most: usize) -> usize {
+        self.iter().map(|kind| kind.most_edges(most)).max().unwrap_or(0)
+    }
+}
+
+/// What a sampler knows of a path that it does not build: where and how it meets the light.
+#[derive(Clone, Copy)]
+pub struct PathEnd<'a> {
+    /// The path's kind.
+    pub kind: Kind,
+    /// x_0.
+    pub light: LightEnd<'a>,
+}
+
+/// How x_0 was found.
+#[derive(Clone, Copy)]
+pub enum LightEnd<'a> {
+    /// Drawn on the lights.
+    Drawn(&'a LightPoint),
+    /// Met by a ray.
+    Met(&'a Vertex),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_classes_of_powers_of_two() {
+        for (edges, class) in [(1, 0), (2, 0), (3, 1), (4, 1), (5, 2), (8, 2), (9, 3), (16, 3), (17, 4), (1000, 4)] {
+            assert_eq!(Kind::new(edges, false).index(), 2 * class);
+            assert_eq!(Kind::new(edges, true).index(), 2 * class + 1);
+            assert!((edges..=2 * edges).contains(&Kind::new(edges, true).most_edges(1000).min(2 * edges)));
+        }
+        assert_eq!(Kind::new(3, true).name(), "3-4 edges, specular");
+        assert_eq!(Kind::new(40, false).name(), "17+ edges");
+    }
+
+    #[test]
+    fn sets_hold_what_they_were_given() {
+        let (a, b) = (Kind::new(2, true), Kind::new(7, false));
+        let set = Kinds::NONE.with(a).with(b);
+        assert_eq!(set.iter().collect::<Vec<_>>(), [a, b]);
+        assert_eq!((set.most_edges(1000), set.most_edges(6), Kinds::NONE.most_edges(9)), (8, 6, 0));
+        assert_eq!(set.others().iter().count(), KINDS - 2);
+        let lengths: Vec<_> = Kinds::by_length(6).collect();
+        assert_eq!(lengths.len(), 3);
+        assert!(lengths[2].contains(b) && !lengths[2].contains(a));
+    }
+}
