@@ -11,10 +11,11 @@ use crate::{
 };
 
 /// How light transport is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Method {
+    /// Independent samples where they are better, Metropolis where it pays; a pilot decides
+    Auto,
     /// Stratified Metropolis light transport
-    #[default]
     Mlt,
     /// Bidirectional path tracing
     Bdpt,
@@ -107,9 +108,10 @@ pub struct RenderOptions {
     #[arg(short, long = "output", value_name = "FILE")]
     pub outputs: Vec<OutputFile>,
 
-    /// How light transport is computed
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub method: Method,
+    /// How light transport is computed; if not given, mlt if an option asks for mutations, strata, weights, a variant or an
+    /// importance, else auto
+    #[arg(long, value_enum, help_heading = "Method")]
+    pub method: Option<Method>,
     /// Cut lights into strata: 'none', 'auto' (found by a pilot), a number of strata, or columns and rows of cells per
     /// light; add ',length' and ',tiles:NxM' to cut by path length and over the image as well
     #[arg(long, value_name = "none|auto|COUNT|NxM", default_value_t, help_heading = "Method")]
@@ -134,7 +136,8 @@ pub struct RenderOptions {
     /// Stop after this many mutations per pixel (mlt, pssmlt, mmlt)
     #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = "Budget")]
     pub mutations_per_pixel: Option<f64>,
-    /// Stop after this many independent samples per pixel (bdpt, pt); other methods make as many mutations
+    /// Stop after this many independent samples per pixel (bdpt, pt), or work worth as many of pt (auto); other methods make
+    /// as many mutations
     #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = "Budget")]
     pub samples_per_pixel: Option<f64>,
     /// Stop after this time, such as 30s, 5m or 1h
@@ -189,6 +192,14 @@ pub struct RenderOptions {
 }
 
 impl RenderOptions {
+    /// The method that was asked for, or the one that suits the other options.
+    pub fn method(&self) -> Method {
+        let mutations = self.mutations_per_pixel.is_some() || self.variant != Variant::default();
+        let strata = self.strata != Strata::default() || self.weights != Weights::default();
+        let importance = self.importance != Importance::default();
+        self.method.unwrap_or(if mutations || strata || importance { Method::Mlt } else { Method::Auto })
+    }
+
     /// The budget that was asked for; at most one can be.
     pub fn budget(&self) -> Option<Budget> {
         let mutations = self.mutations_per_pixel.map(Budget::MutationsPerPixel);
@@ -200,9 +211,11 @@ impl RenderOptions {
     /// Finds what is wrong with the options together, and with the files to write, before anything is rendered.
     pub fn check(&self) -> Result<(), Failure> {
         let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
-        if self.mutations_per_pixel.is_some() && !self.method.mutates() {
-            let method = value_name(self.method);
-            return usage(format!("--mutations-per-pixel: {method} makes no mutations; use --samples-per-pixel"));
+        if self.mutations_per_pixel.is_some() && !self.method().mutates() {
+            let method = value_name(self.method());
+            return usage(format!(
+                "--mutations-per-pixel: {method} is not told how many to make; use --samples-per-pixel"
+            ));
         }
         if self.camera_from.is_some() && self.camera_from == self.camera_to {
             return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
@@ -257,9 +270,19 @@ mod tests {
     fn the_defaults_render_the_cornell_box() {
         let options = parse("").expect("valid");
         assert_eq!(options.scene, PathBuf::from("cornell"));
-        assert_eq!((options.method, options.strata, options.seed), (Method::Mlt, Strata::default(), 0));
+        assert_eq!((options.method(), options.strata, options.seed), (Method::Auto, Strata::default(), 0));
         assert_eq!((options.budget(), options.rounds, options.first_round), (None, None, 0));
         assert!(options.check().is_ok());
+    }
+
+    #[test]
+    fn options_of_chains_choose_metropolis() {
+        let chosen = |line: &str| parse(line).expect("valid").method();
+        for line in ["--strata 4x4", "--mutations-per-pixel 8", "--weights adaptive", "--importance relative"] {
+            assert_eq!(chosen(line), Method::Mlt, "{line}");
+            assert_eq!(chosen(&format!("{line} --method mmlt")), Method::Mmlt);
+        }
+        assert_eq!(chosen("--samples-per-pixel 8"), Method::Auto);
     }
 
     #[test]
@@ -271,7 +294,7 @@ mod tests {
         )
         .expect("valid");
         assert_eq!(options.outputs.len(), 2);
-        assert_eq!((options.method, options.strata), (Method::Bdpt, "4x3".parse().expect("strata")));
+        assert_eq!((options.method(), options.strata), (Method::Bdpt, "4x3".parse().expect("strata")));
         assert_eq!(options.budget(), Some(Budget::SamplesPerPixel(0.5)));
         assert_eq!((options.rounds, options.first_round, options.max_length), (Some(4), 2, Some(8)));
         assert_eq!((options.camera_from, options.camera_to), (Some([-1.0, 2.0, 3.0]), Some([0.0, 0.0, -1.0])));
@@ -305,7 +328,7 @@ mod tests {
     #[test]
     fn bad_values_are_refused_and_named() {
         for (line, part) in [
-            ("--method photon", "[possible values: mlt, bdpt, pt, pssmlt, mmlt]"),
+            ("--method photon", "[possible values: auto, mlt, bdpt, pt, pssmlt, mmlt]"),
             ("--size 0x4", "between 1 and 65536"),
             ("--strata 3x", "as in 4x4"),
             ("--weights equal", "[possible values: power, adaptive]"),

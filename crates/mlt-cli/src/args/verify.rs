@@ -26,8 +26,8 @@ pub struct VerifyOptions {
     /// The folder for the gallery's verdicts and table
     #[arg(short, long, value_name = "FOLDER", requires = "gallery")]
     pub output: Option<PathBuf>,
-    /// What to judge: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render'; mlt if not given, with
-    /// --gallery every method
+    /// What to judge: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render'; auto if not given,
+    /// with --gallery every method
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
     pub methods: Vec<Variant>,
     /// What to judge by; bdpt is judged by pt instead
@@ -36,7 +36,8 @@ pub struct VerifyOptions {
     /// Independent renders of each method
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(4..=10_000))]
     pub replicas: u64,
-    /// Mutations per pixel of each render; bdpt and pssmlt take an eighth of it, pt and mmlt half, which costs about the same
+    /// Mutations per pixel of each render; bdpt and pssmlt take an eighth of it, pt, auto and mmlt half, which costs about
+    /// the same
     #[arg(long, value_name = "N", default_value_t = 256.0, value_parser = per_pixel)]
     pub per_pixel: f64,
     /// Rounds of each render

@@ -73,7 +73,7 @@ impl Subject {
         let parse = |words: &[String]| method.render_options(Path::new(&self.name), words).map_err(run_failure);
         let end = match budget {
             Budget::Time(time) => format!("--time {}s", time.as_secs_f64()),
-            Budget::PerPixel(n) | Budget::Rays(n) => Plan::budget_option(parse(&words)?.method, n, 1),
+            Budget::PerPixel(n) | Budget::Rays(n) => Plan::budget_option(parse(&words)?.method(), n, 1),
         };
         words.extend(end.split_whitespace().map(str::to_owned));
         match render::in_memory(&parse(&words)?, &self.setup, interrupt) {

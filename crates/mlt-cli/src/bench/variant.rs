@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn a_variant_is_a_command_line_of_render() {
         let found = options("bdpt").expect("valid");
-        assert_eq!((found.method, found.seed, found.scene.as_path()), (Method::Bdpt, 3, Path::new("-a scene")));
+        assert_eq!((found.method(), found.seed, found.scene.as_path()), (Method::Bdpt, 3, Path::new("-a scene")));
         let found = options("mlt:4x3:importance=luminance:rounds=4").expect("valid");
         assert_eq!((found.strata.to_string(), found.rounds), ("4x3".to_owned(), Some(4)));
         assert_eq!(options("mlt:rounds=4").map(|options| options.rounds), Ok(Some(4)));

@@ -54,7 +54,7 @@ fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> Vec<(
         format!("--strata {} --weights {}", report.strata_option, report.weights),
         format!("--rounds-pilot {} --variant {}", report.rounds_pilot, report.variant),
         format!("--importance {}", report.importance),
-        Plan::budget_option(options.method, per_pixel, report.rounds),
+        Plan::budget_option(options.method(), per_pixel, report.rounds),
         format!("--rounds {} --first-round {} --seed {}", report.rounds, report.first_round, report.seed),
         format!("--size {}x{}", report.width, report.height),
     ];

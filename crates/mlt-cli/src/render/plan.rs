@@ -6,12 +6,15 @@ use crate::args::render::{Budget, Method, RenderOptions};
 
 /// Rounds of a render whose budget says nothing else.
 const ROUNDS: u64 = 16;
-/// Rounds that a time budget aims at.
-const TIMED_ROUNDS: f64 = 24.0;
+/// Rounds that a time budget aims at: few, since well-stratified samples gain from being many in a round, and enough to tell
+/// the error.
+const TIMED_ROUNDS: f64 = 20.0;
 /// Fewest rounds whose spread is trusted to end a render.
 pub(crate) const TRUSTED_ROUNDS: u64 = 8;
-/// Most mutations or samples a pixel of a round that nobody asked for: what an interruption may cost.
-const LARGEST_ROUND: f64 = 64.0;
+/// Most mutations a pixel of a round that nobody asked for: what an interruption may cost.
+const LARGEST_CHAINS: f64 = 64.0;
+/// The same for samples.
+const LARGEST_SAMPLES: f64 = 1024.0;
 /// Parts of a mutation or sample a pixel that a round's size is a multiple of, so that decimal text holds it exactly.
 const PARTS: f64 = 64.0;
 
@@ -32,7 +35,7 @@ pub struct Plan {
 impl Plan {
     /// The plan for what was asked for, or a sensible one.
     pub fn new(options: &RenderOptions) -> Self {
-        let (method, rounds) = (options.method, options.rounds);
+        let (method, rounds) = (options.method(), options.rounds);
         let open = Self { per_pixel: None, rounds, time: None, error: None, method };
         match options.budget() {
             Some(Budget::MutationsPerPixel(n) | Budget::SamplesPerPixel(n)) => open.sized(n),
@@ -45,17 +48,22 @@ impl Plan {
     /// `total` mutations or samples a pixel, over all rounds.
     fn sized(self, total: f64) -> Self {
         let most = if self.method.mutates() { u64::MAX } else { (total as u64).max(1) };
-        let usual = ROUNDS.max((total / LARGEST_ROUND).ceil() as u64);
+        let usual = ROUNDS.max((total / self.largest_round()).ceil() as u64);
         let rounds = self.rounds.unwrap_or(usual.min(most));
         // A short mantissa, so that the total of any number of rounds, as text, leads back to the same size.
         let per_pixel = f64::from((total / rounds as f64) as f32);
         Self { per_pixel: Some(per_pixel), rounds: Some(rounds), ..self }
     }
 
+    fn largest_round(&self) -> f64 {
+        if self.method.mutates() { LARGEST_CHAINS } else { LARGEST_SAMPLES }
+    }
+
     /// The size of a round that suits the time, at `rate` mutations or samples a pixel and second.
     pub fn per_pixel_at(&self, rate: f64, time: Duration) -> f64 {
         let total = rate * time.as_secs_f64();
-        let ideal = self.rounds.map_or((total / TIMED_ROUNDS).min(LARGEST_ROUND), |rounds| total / rounds as f64);
+        let ideal =
+            self.rounds.map_or((total / TIMED_ROUNDS).min(self.largest_round()), |rounds| total / rounds as f64);
         if self.method.mutates() { ((ideal * PARTS).floor() / PARTS).max(1.0 / PARTS) } else { ideal.floor().max(1.0) }
     }
 
@@ -71,7 +79,7 @@ fn usual(method: Method) -> f64 {
     match method {
         Method::Mlt | Method::Mmlt => 128.0,
         Method::Bdpt | Method::Pssmlt => 32.0,
-        Method::Pt => 64.0,
+        Method::Auto | Method::Pt => 64.0,
     }
 }
 

@@ -25,7 +25,7 @@ use crate::{
     cpu_seconds,
     interrupt::Interrupt,
     progress::Progress,
-    report::{Acceptance, Agreement, Report, StratumReport},
+    report::{Acceptance, Agreement, Decision, Report, StratumReport},
     require_memory,
 };
 
@@ -59,12 +59,12 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
     let (start, cpu) = (Instant::now(), cpu_seconds());
     let view = View { scene: &setup.scene, camera: &setup.camera };
     let per_pixel = plan.per_pixel.unwrap_or_else(|| measured(options, view, &plan, interrupt));
-    require_memory_for_round(options.method, per_pixel, f64::from(setup.camera.pixels()))?;
+    require_memory_for_round(options.method(), per_pixel, f64::from(setup.camera.pixels()))?;
     let renderer = Renderer::new(view, settings(options, per_pixel));
     let (mut film, mut counts) = (renderer.film(), Counts::default());
     let mut ending =
         Ending { plan, interrupt: interrupt.clone(), start, round: Instant::now(), longest: Duration::ZERO };
-    let progress = Progress::new(STEPS, options.method.unit(), options.quiet);
+    let progress = Progress::new(STEPS, options.method().unit(), options.quiet);
     let pixels = f64::from(setup.camera.pixels());
     let first = options.first_round;
     let last = plan.rounds.map_or(u64::MAX, |rounds| first.saturating_add(rounds));
@@ -94,6 +94,7 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
     let mut report = report(options, setup, &film, &counts);
     report.agreement = blocks.agreement();
     report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));
+    report.decision = renderer.decision().map(Decision::from);
     report.interrupted = interrupted;
     report.seconds = start.elapsed().as_secs_f64();
     report.cpu_seconds = cpu_seconds().zip(cpu).map(|(now, then)| now - then);
@@ -116,7 +117,7 @@ fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interr
             return size;
         }
         let taken = before.elapsed();
-        let done = if options.method.mutates() { size } else { size.max(1.0) };
+        let done = if options.method().mutates() { size } else { size.max(1.0) };
         if taken > enough || start.elapsed() > time.mul_f64(0.05) {
             return plan.per_pixel_at(done / taken.as_secs_f64().max(1e-6), time.saturating_sub(start.elapsed()));
         }
@@ -135,7 +136,8 @@ fn require_memory_for_round(method: render::Method, per_pixel: f64, pixels: f64)
 
 fn settings(options: &RenderOptions, per_pixel: f64) -> Settings {
     Settings {
-        method: match options.method {
+        method: match options.method() {
+            render::Method::Auto => Method::Auto,
             render::Method::Mlt => Method::Metropolis,
             render::Method::Bdpt => Method::Bidirectional,
             render::Method::Pt => Method::Path,
@@ -220,7 +222,7 @@ fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Count
     let mut report = Report {
         version: env!("CARGO_PKG_VERSION").into(),
         scene: setup.name.clone(),
-        method: value_name(options.method),
+        method: value_name(options.method()),
         strata_option: options.strata.to_string(),
         weights: value_name(options.weights),
         rounds_pilot: options.rounds_pilot,
@@ -248,6 +250,7 @@ fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Count
         strata: counts.strata.iter().map(stratum).collect(),
         relative_error: error.is_finite().then_some(error),
         agreement: None,
+        decision: None,
         warnings: setup.warnings.clone(),
         outputs: Vec::new(),
     };
@@ -256,10 +259,10 @@ fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Count
     report
 }
 
-/// b and its standard error: from the strata, or else the image's mean.
+/// b and its standard error: from the strata if chains make the whole image, or else the image's mean.
 fn image_mean(film: &Film<3>, counts: &Counts) -> (f64, f64) {
     let root = |squares: f64| squares.sqrt();
-    if !counts.strata.is_empty() {
+    if counts.samples == 0 {
         let b = counts.strata.iter().map(StratumStats::b).sum();
         return (b, root(counts.strata.iter().map(|s| s.b_stderr().powi(2)).sum()));
     }

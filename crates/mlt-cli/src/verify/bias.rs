@@ -105,6 +105,8 @@ fn with_total(mut regions: Vec<f64>) -> Vec<f64> {
 struct Test {
     difference: f64,
     stderr: f64,
+    /// Degrees of freedom.
+    freedom: f64,
     p: f64,
 }
 
@@ -121,7 +123,7 @@ impl Test {
         } else {
             StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| 2.0 * t.sf(difference.abs() / stderr)).min(1.0)
         };
-        Self { difference, stderr, p }
+        Self { difference, stderr, freedom, p }
     }
 
     fn t(&self) -> f64 {
@@ -204,17 +206,18 @@ fn redrawn(table: &Table, rng: &mut Pcg64Mcg) -> Table {
     (0..table.len()).map(draw).collect()
 }
 
-/// Errors in units of the standard error that are found: the quantile of the significance, halved and two-sided, for this
-/// number of tests.
-fn critical(tests: usize) -> f64 {
-    statrs::distribution::Normal::standard().inverse_cdf(1.0 - SIGNIFICANCE / (4.0 * tests as f64))
+/// Errors in units of the standard error that are found: Student's quantile of the significance, halved and two-sided, for
+/// this number of tests.
+fn critical(tests: usize, freedom: f64) -> f64 {
+    let beyond = SIGNIFICANCE / (4.0 * tests as f64);
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |law| -law.inverse_cdf(beyond))
 }
 
 /// Relative error of a region, or of the image (the last column), that is found in four of five studies.
 fn visible(tests: &[Test], reference: &Table, column: usize) -> f64 {
     let regions = tests.len() - 1;
     let made = if column == regions { 1 } else { regions };
-    (critical(made) + FOUR_IN_FIVE) * tests[column].stderr / mean(reference, column).abs()
+    (critical(made, tests[column].freedom) + FOUR_IN_FIVE) * tests[column].stderr / mean(reference, column).abs()
 }
 
 /// The same for the region that is worse than nine in ten of those that are lit.

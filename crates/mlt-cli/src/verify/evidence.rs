@@ -20,7 +20,8 @@ pub struct Replica {
     pub stderr: Vec<f64>,
     /// Of each round: the mean luminance of the image that comes from each block.
     pub rounds: Vec<Vec<f64>>,
-    /// b_j of the strata, or b of all together where each seed has strata of its own; empty for independent methods.
+    /// b_j of the strata, or b of all together where each seed has strata of its own; empty for independent methods, and for
+    /// `auto`, where each seed gives another share of the light to its chains.
     pub strata: Vec<StratumReport>,
     /// Longest run of proposals without an acceptance.
     pub longest_rejection: u64,
@@ -35,9 +36,10 @@ impl Replica {
         let grey = |rgb: &[f32; 3]| f64::from(luminance(Rgb::from_array(*rgb)));
         let longest_rejection = report.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0);
         let (b, b_stderr, mutations) = (report.b, report.b_stderr, report.mutations);
-        let strata = match report.strata_option.starts_with("auto") && !report.strata.is_empty() {
-            true => vec![StratumReport { b, b_stderr, mutations, longest_rejection }],
-            false => report.strata,
+        let strata = match (report.method.as_str(), report.strata_option.starts_with("auto")) {
+            ("auto", _) => Vec::new(),
+            (_, true) => vec![StratumReport { b, b_stderr, mutations, longest_rejection }],
+            _ => report.strata,
         };
         Self {
             pixels: pixels(&image),

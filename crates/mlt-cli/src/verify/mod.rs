@@ -63,7 +63,7 @@ impl Court {
         let default = |text: &str| text.parse().map_err(|message: String| Failure::Run(anyhow::anyhow!(message)));
         let methods = match (&options.methods[..], options.gallery) {
             ([], true) => gallery::all_methods()?,
-            ([], false) => vec![default("mlt")?],
+            ([], false) => vec![default("auto")?],
             (given, _) => given.to_vec(),
         };
         let VerifyOptions { size, replicas, per_pixel, rounds, seed, .. } = *options;

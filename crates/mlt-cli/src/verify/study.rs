@@ -54,7 +54,7 @@ impl Effort {
     fn per_pixel_of(&self, method: Method) -> f64 {
         let cost = match method {
             Method::Bdpt | Method::Pssmlt => 8.0,
-            Method::Pt | Method::Mmlt => 2.0,
+            Method::Auto | Method::Pt | Method::Mmlt => 2.0,
             _ => 1.0,
         };
         (self.per_pixel / cost).max(1.0)
@@ -92,7 +92,7 @@ impl Subject {
 
     /// Replicas of a method, and relMSE between two frames with the lights moved.
     pub fn replicas(&self, variant: &Variant, interrupt: &Interrupt) -> Result<(Vec<Replica>, f64), Failure> {
-        let base = options(variant, &self.scene, &[])?.method;
+        let base = options(variant, &self.scene, &[])?.method();
         let per_pixel = self.effort.per_pixel_of(base);
         let render = |setup: &Setup, index: u64| {
             self.render(variant, setup, per_pixel, self.effort.rounds, self.effort.seed + index, interrupt)
@@ -109,7 +109,7 @@ impl Subject {
     ///
     /// A light that is one of many, or weak, or tiny is then sampled as often as any other group.
     pub fn reference(&self, variant: &Variant, interrupt: &Interrupt) -> Result<Reference, Failure> {
-        let base = options(variant, &self.scene, &[])?.method;
+        let base = options(variant, &self.scene, &[])?.method();
         let per_pixel = (self.effort.per_pixel_of(base) / self.groups.len() as f64).ceil();
         let parts: Result<Vec<Vec<Vec<f64>>>, Failure> = (0..self.effort.replicas)
             .into_par_iter()
@@ -133,7 +133,7 @@ impl Subject {
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<Replica, Failure> {
-        let method = options(variant, &self.scene, &[])?.method;
+        let method = options(variant, &self.scene, &[])?.method();
         let mut words = vec![format!("--seed={seed}"), format!("--rounds={rounds}")];
         words.extend(Plan::budget_option(method, per_pixel, 1).split_whitespace().map(str::to_owned));
         let rendered = render::in_memory(&options(variant, &self.scene, &words)?, setup, interrupt)?;
@@ -177,7 +177,7 @@ impl Reference {
 
 /// The method that a method is judged by: the first of bidirectional and path tracing that is another.
 pub fn reference_for(variant: &Variant, scene: &Path, wanted: &Variant) -> Result<Variant, Failure> {
-    let method = |variant: &Variant| Ok::<_, Failure>(options(variant, scene, &[])?.method);
+    let method = |variant: &Variant| Ok::<_, Failure>(options(variant, scene, &[])?.method());
     if method(variant)? != method(wanted)? {
         return Ok(wanted.clone());
     }

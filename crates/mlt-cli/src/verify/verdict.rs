@@ -133,7 +133,7 @@ pub fn judge(names: Names, evidence: &Evidence, detect: f64, moved: Option<f64>)
 }
 
 fn differs(bias: &Bias) -> Vec<Fault> {
-    if bias.p >= SIGNIFICANCE || bias.p_bootstrap > BOOTSTRAP_SIGNIFICANCE {
+    if !is_wrong(bias) {
         return Vec::new();
     }
     let place = match bias.region {
@@ -150,8 +150,15 @@ fn differs(bias: &Bias) -> Vec<Fault> {
     vec![Fault::new("wrong", sentence)]
 }
 
+fn is_wrong(bias: &Bias) -> bool {
+    bias.p < SIGNIFICANCE && bias.p_bootstrap <= BOOTSTRAP_SIGNIFICANCE
+}
+
 fn unseen(bias: &Bias, detect: f64) -> Option<String> {
     let culprit = if bias.reference_share > 0.5 { "the reference is" } else { "its replicas are" };
+    if is_wrong(bias) {
+        return None;
+    }
     if bias.p < SIGNIFICANCE {
         return Some(format!(
             "a difference of {:+.1} % may be chance, since replicas are uneven (p = {:.0e}, by bootstrap {:.3})",

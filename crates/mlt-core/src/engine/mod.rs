@@ -23,6 +23,7 @@ mod path;
 mod pilot;
 mod stats;
 mod stratum;
+mod sum;
 
 pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, allocate, shares_by_power};
 pub use chain::Chain;
@@ -38,3 +39,4 @@ pub use path::{Path, Splat};
 pub use pilot::{Measure, PILOT};
 pub use stats::{MutationStats, StratumStats};
 pub use stratum::Stratum;
+pub use sum::{Sum, SumTally};

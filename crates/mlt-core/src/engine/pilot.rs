@@ -31,6 +31,26 @@ pub struct Measure {
     pub sample_cost: f64,
 }
 
+impl Measure {
+    /// What the union of disjoint strata is expected to be, as one stratum whose chains visit each in proportion to its b.
+    pub fn of_union(parts: &[Self]) -> Self {
+        let sum = |value: &dyn Fn(&Self) -> f64| -> f64 { parts.iter().map(value).sum() };
+        let b = sum(&|m| m.b);
+        let measured = parts.iter().any(|m| m.chain_error.is_some());
+        let noise = |m: &Self| m.chain_error.filter(|_| m.b > 0.0).map_or(0.0, |error| error * b / m.b);
+        let most = |value: fn(&Self) -> f64| parts.iter().map(value).fold(0.0, f64::max);
+        let mutation_cost = if b > 0.0 { sum(&|m| m.b * m.mutation_cost) / b } else { most(|m| m.mutation_cost) };
+        Self {
+            b,
+            b_stderr: sum(&|m| m.b_stderr * m.b_stderr).sqrt(),
+            chain_error: measured.then(|| sum(&noise)),
+            sample_error: sum(&|m| m.sample_error),
+            mutation_cost,
+            sample_cost: most(|m| m.sample_cost),
+        }
+    }
+}
+
 /// Visits of a stratum's chains in one round to one site, as a share of all: deposits over b̂_j.
 struct Visits {
     site: u32,

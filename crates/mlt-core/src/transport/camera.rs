@@ -57,6 +57,12 @@ impl Camera {
         self.size
     }
 
+    /// The same view in other pixels.
+    #[must_use]
+    pub fn with_size(&self, size: [u32; 2]) -> Self {
+        Self { size, ..self.clone() }
+    }
+
     /// Number of pixels.
     pub fn pixels(&self) -> u32 {
         self.size[0] * self.size[1]

@@ -3,6 +3,7 @@
 use super::light::LightPoint;
 use super::path::LightPath;
 use super::vertex::Vertex;
+use std::fmt;
 
 /// Classes of length: 1–2, 3–4, 5–8, 9–16 edges and more.
 const LENGTHS: usize = 5;
@@ -48,13 +49,6 @@ impl Kind {
     pub fn most_edges(self, most: usize) -> usize {
         let length = usize::from(self.0 / 2);
         if length + 1 == LENGTHS { most } else { most.min(2 << length) }
-    }
-
-    /// For reading: `1-2 edges` or `3-4 edges, specular`.
-    pub fn name(self) -> String {
-        let least = [1, 3, 5, 9, 17][usize::from(self.0 / 2)];
-        let range = if least == 17 { "17+".into() } else { format!("{least}-{}", self.most_edges(usize::MAX)) };
-        format!("{range} edges{}", if self.0 % 2 == 1 { ", specular" } else { "" })
     }
 }
 
@@ -104,6 +98,22 @@ impl Kinds {
     }
 }
 
+/// `3-4 edges` or `3-4, 5-8 edges, first specular`: what the kinds have in common is said once.
+impl fmt::Display for Kinds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let all =
+            [0, 1].map(|s| (0..LENGTHS).filter(|&l| self.contains(Kind::from_index(2 * l + s))).collect::<Vec<_>>());
+        let name = |&l: &usize| ["1-2", "3-4", "5-8", "9-16", "17+"][l];
+        let list = |lengths: &[usize]| lengths.iter().map(name).collect::<Vec<_>>().join(", ") + " edges";
+        match all {
+            [plain, specular] if plain == specular => f.write_str(&list(&plain)),
+            [plain, specular] if specular.is_empty() => write!(f, "{}, first not specular", list(&plain)),
+            [plain, specular] if plain.is_empty() => write!(f, "{}, first specular", list(&specular)),
+            [plain, specular] => write!(f, "{}, and first specular {}", list(&plain), list(&specular)),
+        }
+    }
+}
+
 /// What a sampler knows of a path that it does not build: where and how it meets the light.
 #[derive(Clone, Copy)]
 pub struct PathEnd<'a> {
@@ -133,8 +143,6 @@ mod tests {
             assert_eq!(Kind::new(edges, true).index(), 2 * class + 1);
             assert!((edges..=2 * edges).contains(&Kind::new(edges, true).most_edges(1000).min(2 * edges)));
         }
-        assert_eq!(Kind::new(3, true).name(), "3-4 edges, specular");
-        assert_eq!(Kind::new(40, false).name(), "17+ edges");
     }
 
     #[test]
@@ -144,6 +152,8 @@ mod tests {
         assert_eq!(set.iter().collect::<Vec<_>>(), [a, b]);
         assert_eq!((set.most_edges(1000), set.most_edges(6), Kinds::NONE.most_edges(9)), (8, 6, 0));
         assert_eq!(set.others().iter().count(), KINDS - 2);
+        assert_eq!(set.to_string(), "5-8 edges, and first specular 1-2 edges");
+        assert_eq!(Kinds::NONE.with(a).to_string(), "1-2 edges, first specular");
         let lengths: Vec<_> = Kinds::by_length(6).collect();
         assert_eq!(lengths.len(), 3);
         assert!(lengths[2].contains(b) && !lengths[2].contains(a));

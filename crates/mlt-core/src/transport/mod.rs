@@ -2,6 +2,7 @@
 
 pub mod accel;
 pub mod adapt;
+pub mod auto;
 pub mod bdpt;
 mod blur;
 pub mod bsdf;

@@ -1,6 +1,7 @@
 //! A whole render: a method, its settings, and what it counted.
 
 use super::adapt::{Adaptation, Adapted, Pilot, error_weights};
+use super::auto::{self, Plan, Sampler, SomePaths, Summary};
 use super::bdpt::{Bidirectional, MOST_EDGES};
 use super::classes::Classes;
 use super::importance::{PixelImportance, Target};
@@ -15,7 +16,7 @@ use super::strata::{LightStrata, Stratification};
 use super::stratum::{LightStratum, Variant};
 use crate::engine::{
     self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Path, Progress, Share, Splat, Stratum,
-    StratumStats, Tally, shares_by_power,
+    StratumStats, Sum, SumTally, Tally, shares_by_power,
 };
 use crate::primary::{PrimaryImportance, PrimaryMutation};
 use std::ops::{ControlFlow, Range};
@@ -23,6 +24,8 @@ use std::ops::{ControlFlow, Range};
 /// How the image is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
+    /// Independent samples where they are better, Metropolis where it pays: see [`auto`](super::auto).
+    Auto,
     /// Stratified Metropolis light transport in path space.
     #[default]
     Metropolis,
@@ -94,7 +97,21 @@ pub struct Renderer<'a, I = PixelImportance> {
     strata: LightStrata,
     shares: Vec<Share>,
     whole: LightRegion,
-    pilot: StratumStats,
+    pilot: PilotCounts,
+    plan: Option<Plan>,
+}
+
+/// What pilots spent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct PilotCounts {
+    pub(super) mutations: u64,
+    pub(super) rays: u64,
+}
+
+impl PilotCounts {
+    fn of(tally: &Tally) -> Self {
+        Self { mutations: tally.total().steps(), rays: tally.work() }
+    }
 }
 
 /// Mutations for one independent sample, of those for b̂_j and the chains' starts, where both are a bidirectional sample.
@@ -139,9 +156,10 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let lights = view.scene.lights();
         let strata = LightStrata::new(lights, Stratification::None);
         let whole = LightRegion::whole(lights);
-        let (shares, pilot) = (Vec::new(), StratumStats::default());
-        let mut renderer = Self { view, settings, importance, strata, shares, whole, pilot };
+        let (shares, pilot) = (Vec::new(), PilotCounts::default());
+        let mut renderer = Self { view, settings, importance, strata, shares, whole, pilot, plan: None };
         match renderer.settings.method {
+            Method::Auto => renderer.plan(),
             Method::Metropolis => renderer.adapt(),
             Method::PrimaryBidirectional | Method::Multiplexed => {
                 renderer.strata = LightStrata::new(lights, renderer.settings.stratification);
@@ -149,6 +167,19 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             Method::Bidirectional | Method::Path => {}
         }
         renderer
+    }
+
+    /// Finds out which part of path space is sampled how.
+    fn plan(&mut self) {
+        let Settings { stratification, seed, per_pixel, .. } = self.settings;
+        let (view, max_edges, importance) = (self.view, self.max_edges(), &self.importance);
+        let (plan, pilot) = auto::Pilot { view, importance, stratification, max_edges, seed, per_pixel }.run();
+        (self.plan, self.pilot) = (Some(plan), pilot);
+    }
+
+    /// What [`Method::Auto`] decided.
+    pub fn decision(&self) -> Option<&Summary> {
+        self.plan.as_ref().map(|plan| &plan.summary)
     }
 
     /// Chooses the strata and their shares.
@@ -172,7 +203,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             },
         };
         let Adapted { strata, shares, tally } = pilot.run(self.settings.stratification);
-        (self.strata, self.shares, self.pilot) = (strata, shares, tally.total());
+        (self.strata, self.shares, self.pilot) = (strata, shares, PilotCounts::of(&tally));
         if self.settings.variant == Variant::MutationOnly {
             self.shares = shares_by_power(&self.path_strata(&self.strata), mutations);
         }
@@ -211,8 +242,10 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         observe: &mut Observer,
     ) -> Outcome {
         let (view, max_edges) = (self.view, self.max_edges());
+        (counts.pilot_mutations, counts.pilot_rays) = (self.pilot.mutations, self.pilot.rays);
         let run = Run { rounds, film, counts, observe };
         match self.settings.method {
+            Method::Auto => self.plan.as_ref().map_or(Outcome::Complete, |plan| self.follow(plan, run)),
             Method::Metropolis => {
                 let strata = self.path_strata(&self.strata);
                 let mixture = Mixture::new(PathMutation::all(view));
@@ -227,8 +260,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
                 let strata = self.part().all(|part| Multiplexed { part, techniques: &techniques });
                 self.primary(&strata, MULTIPLEXED_MUTATIONS_A_SAMPLE, run)
             }
-            Method::Bidirectional => self.independent(&Bidirectional { view, region: &self.whole, max_edges }, run),
-            Method::Path => self.independent(&PathTracer { view, region: &self.whole, max_edges }, run),
+            Method::Bidirectional => self.evenly(&Bidirectional { view, region: &self.whole, max_edges }, run),
+            Method::Path => self.evenly(&PathTracer { view, region: &self.whole, max_edges }, run),
         }
     }
 
@@ -277,20 +310,64 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         counts.mutations = estimator.mixture.mutations().iter().map(Mutation::<P, S>::name).collect();
         counts.rays = tally.work();
         counts.strata = tally.strata;
-        (counts.pilot_mutations, counts.pilot_rays) =
-            (self.pilot.steps(), self.pilot.chain_work + self.pilot.sample_work);
         outcome
     }
 
-    fn independent<T: ImageSampler>(&self, sampler: &T, run: Run) -> Outcome {
+    fn evenly<T: ImageSampler>(&self, sampler: &T, run: Run) -> Outcome {
         let Settings { per_pixel, seed, .. } = self.settings;
-        let estimator = Independent { sampler, selection: AllPaths, counts: SampleCounts::Even(per_pixel), seed };
+        independent(&Independent { sampler, selection: AllPaths, counts: SampleCounts::Even(per_pixel), seed }, run)
+    }
+
+    /// Renders as a plan says.
+    fn follow(&self, plan: &Plan, run: Run) -> Outcome {
+        let (view, region, max_edges) = (self.view, &self.whole, plan.sampled_edges(self.max_edges()));
+        match &plan.independent {
+            None => self.chains(plan, run),
+            Some((Sampler::Path, counts)) => self.mixture(plan, &PathTracer { view, region, max_edges }, counts, run),
+            Some((Sampler::Bidirectional, counts)) => {
+                self.mixture(plan, &Bidirectional { view, region, max_edges }, counts, run)
+            }
+        }
+    }
+
+    /// Chains alone.
+    fn chains(&self, plan: &Plan, run: Run) -> Outcome {
+        let strata = LightStratum::of_kinds(&plan.strata, &plan.chained, self.view, self.max_edges());
+        let mixture = Mixture::new(PathMutation::all(self.view));
+        self.metropolis(&self.estimator(&strata, &plan.shares, &mixture), run)
+    }
+
+    /// Independent samples of what is not left to chains, and chains for the rest.
+    fn mixture<T: ImageSampler>(&self, plan: &Plan, sampler: &T, counts: &[u32], run: Run) -> Outcome {
+        let (seed, counts) = (self.settings.seed, SampleCounts::Each(counts.to_vec()));
+        if plan.shares.is_empty() {
+            return independent(&Independent { sampler, selection: AllPaths, counts, seed }, run);
+        }
+        let strata = LightStratum::of_kinds(&plan.strata, &plan.chained, self.view, self.max_edges());
+        let mixture = Mixture::new(PathMutation::all(self.view));
+        let kinds = plan.sampled();
+        let selection = SomePaths { lights: self.view.scene.lights(), strata: &plan.strata, kinds: &kinds };
+        let samples = Independent { sampler, selection, counts, seed };
+        let estimator = Sum(samples, self.estimator(&strata, &plan.shares, &mixture));
         let counts = run.counts;
-        let mut tally = SampleTally { samples: counts.samples, rays: counts.rays };
+        let tally = Tally { strata: std::mem::take(&mut counts.strata) };
+        let chain_rays = tally.work();
+        let mut tally = SumTally(SampleTally { samples: counts.samples, rays: counts.rays - chain_rays }, tally);
         let outcome = repeat(&estimator, run.rounds, run.film, &mut tally, run.observe);
-        (counts.samples, counts.rays) = (tally.samples, tally.rays);
+        let SumTally(samples, tally) = tally;
+        counts.mutations = mixture.mutations().iter().map(Mutation::<LightPath, LightStratum>::name).collect();
+        (counts.samples, counts.rays) = (samples.samples, samples.rays + tally.work());
+        counts.strata = tally.strata;
         outcome
     }
+}
+
+fn independent<T: ImageSampler>(estimator: &Independent<T>, run: Run) -> Outcome {
+    let counts = run.counts;
+    let mut tally = SampleTally { samples: counts.samples, rays: counts.rays };
+    let outcome = repeat(estimator, run.rounds, run.film, &mut tally, run.observe);
+    (counts.samples, counts.rays) = (tally.samples, tally.rays);
+    outcome
 }
 
 /// What one call adds, and where to.

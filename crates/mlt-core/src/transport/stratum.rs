@@ -45,11 +45,26 @@ impl<'a> LightStratum<'a> {
     /// The products of the lights' parts and of classes.
     pub fn product(strata: &'a LightStrata, view: View<'a>, max_edges: usize, classes: Classes) -> Vec<Self> {
         let classes = classes.all(max_edges);
-        let of = |(index, region), class: PathClass| {
-            let sampler = Bidirectional { view, region, max_edges: class.kinds.most_edges(max_edges) };
-            Self { strata, index: Some(index), class, sampler }
-        };
-        (0..).zip(strata.regions()).flat_map(|part| classes.iter().map(move |&class| of(part, class))).collect()
+        let parts = 0..strata.regions().len();
+        let of = |index| classes.iter().map(move |&class| Self::new(strata, index, class, view, max_edges));
+        parts.flat_map(of).collect()
+    }
+
+    /// The paths of some kinds in each of the lights' parts, where there are any kinds.
+    pub fn of_kinds(strata: &'a LightStrata, kinds: &[Kinds], view: View<'a>, max_edges: usize) -> Vec<Self> {
+        let lit = kinds.iter().enumerate().filter(|(_, kinds)| !kinds.is_empty());
+        lit.map(|(index, &kinds)| Self::of_part(strata, index, kinds, view, max_edges)).collect()
+    }
+
+    /// The paths of some kinds in one of the lights' parts.
+    pub fn of_part(strata: &'a LightStrata, index: usize, kinds: Kinds, view: View<'a>, max_edges: usize) -> Self {
+        Self::new(strata, index, PathClass::of_kinds(kinds), view, max_edges)
+    }
+
+    fn new(strata: &'a LightStrata, index: usize, class: PathClass, view: View<'a>, max_edges: usize) -> Self {
+        let region = &strata.regions()[index];
+        let sampler = Bidirectional { view, region, max_edges: class.kinds.most_edges(max_edges) };
+        Self { strata, index: Some(index as u32), class, sampler }
     }
 
     /// All paths in one stratum whose chains change the light end within the parts of `strata`. `whole`: all lights.

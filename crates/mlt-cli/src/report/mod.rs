@@ -1,10 +1,14 @@
 //! What a render tells about itself.
 
+mod decision;
+
 use std::{collections::BTreeMap, fmt};
 
 use serde::Serialize;
 
 use crate::progress::short;
+
+pub use decision::{Decision, Part};
 
 /// The report of `mlt render --json`, one object; [`Display`](fmt::Display) is the same for reading.
 #[derive(Clone, Debug, Serialize)]
@@ -13,7 +17,7 @@ pub struct Report {
     pub version: String,
     /// The scene as named on the command line.
     pub scene: String,
-    /// `mlt`, `bdpt` or `pt`.
+    /// As named on the command line.
     pub method: String,
     /// As given: `none`, `auto`, a number or `NxM`, and classes.
     pub strata_option: String,
@@ -69,6 +73,8 @@ pub struct Report {
     pub relative_error: Option<f64>,
     /// How well the rounds agree; `None` when there were too few to tell, and for a black image.
     pub agreement: Option<Agreement>,
+    /// What the method `auto` decided; `None` for other methods.
+    pub decision: Option<Decision>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// Files written.
@@ -163,6 +169,7 @@ impl fmt::Display for Report {
         if self.pilot_rays > 0 {
             writeln!(f, "  pilot           {} mutations, {} rays", self.pilot_mutations, self.pilot_rays)?;
         }
+        self.decision.as_ref().map_or(Ok(()), |decision| write!(f, "{decision}"))?;
         write!(f, "{}", self.acceptance)?;
         writeln!(f, "  b               {} ± {}", number(self.b), number(self.b_stderr))?;
         self.write_strata(f)?;
@@ -244,6 +251,7 @@ mod tests {
             strata: vec![StratumReport { b: 0.025, b_stderr: 0.0001, mutations: 150_000, longest_rejection: 31 }; 20],
             relative_error: Some(0.0213),
             agreement: Some(Agreement { r_hat: 1.2, block: [1, 0], blocks: [8, 8], effective_samples: 36.0 }),
+            decision: None,
             warnings: vec!["textures are left out".into()],
             outputs: vec!["a.exr".into()],
         }

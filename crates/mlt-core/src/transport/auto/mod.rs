@@ -1,0 +1,285 @@
+//! Metropolis where it pays, independent samples where those are better.
+//!
+//! Path space is cut into parts: of the lights, by length, and by what next-event estimation cannot sample. A pilot on a
+//! small image measures what path tracing, bidirectional path tracing and chains leave of error in each part, and
+//! what they cost; then one independent method samples the parts that it finds easy, and chains sample the rest.
+//! Every part is sampled by exactly one of them, so the sum is unbiased whatever the pilot found.
+
+mod decide;
+mod measure;
+mod parts;
+mod spread;
+
+use super::adapt::weights_of_smooth;
+use super::bdpt::Bidirectional;
+use super::blur::blurred;
+use super::kind::Kinds;
+use super::light_tree::LightTree;
+use super::mutate::PathMutation;
+use super::path::{LightPath, View};
+use super::pt::PathTracer;
+use super::region::LightRegion;
+use super::render::PilotCounts;
+use super::scene::rays_traced;
+use super::strata::{LightStrata, Stratification};
+use super::stratum::LightStratum;
+use crate::engine::{Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Share, Tally, allocate};
+use decide::{Costs, Decision, decide};
+use measure::Measured;
+use parts::Parts;
+
+pub use parts::SomePaths;
+
+/// An independent method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampler {
+    /// Path tracing.
+    Path,
+    /// Bidirectional path tracing.
+    Bidirectional,
+}
+
+const SAMPLERS: [Sampler; 2] = [Sampler::Path, Sampler::Bidirectional];
+
+/// Time of a ray in each method, with all that comes with it, over that in path tracing.
+const TIME_OF_A_RAY: [f64; 2] = [1.0, 1.15];
+const TIME_OF_A_CHAINS_RAY: f64 = 1.05;
+
+/// How a render is made.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The lights' parts.
+    pub(super) strata: LightStrata,
+    /// The independent method and its samples of each pixel in a round.
+    pub(super) independent: Option<(Sampler, Vec<u32>)>,
+    /// The kinds of paths in each of the lights' parts that are left to chains.
+    pub(super) chained: Vec<Kinds>,
+    /// Chains of a round, one share for each part with any such kinds.
+    pub(super) shares: Vec<Share>,
+    /// What was decided, for a report.
+    pub summary: Summary,
+}
+
+impl Plan {
+    /// The kinds of paths in each of the lights' parts that are sampled independently.
+    pub(super) fn sampled(&self) -> Vec<Kinds> {
+        self.chained.iter().map(|kinds| kinds.others()).collect()
+    }
+
+    /// Most edges of these, if no path has more than `most`.
+    pub(super) fn sampled_edges(&self, most: usize) -> usize {
+        self.sampled().iter().map(|kinds| kinds.most_edges(most)).max().unwrap_or(most).max(1)
+    }
+}
+
+/// What a pilot decided.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// The independent method.
+    pub sampler: Option<Sampler>,
+    /// Share of the work, by rays and what comes with them, that chains get.
+    pub chain_share: f64,
+    /// Every part of path space.
+    pub parts: Vec<PartSummary>,
+}
+
+/// What a pilot found of one part of path space.
+///
+/// Each noise is error × work: the part's contribution to the image's mean of Var/(L² + (L̄/10)²), times the rays that
+/// were traced for it a pixel. It is infinite where a method missed what another one found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartSummary {
+    /// Which part of the lights.
+    pub light: usize,
+    /// Which paths.
+    pub kinds: Kinds,
+    /// Noise of path tracing.
+    pub path: f64,
+    /// Noise of bidirectional path tracing.
+    pub bidirectional: f64,
+    /// Noise of chains.
+    pub chains: f64,
+    /// Whether chains sample it.
+    pub in_chains: bool,
+}
+
+/// Pixels of the image for each of the pilot's.
+const REDUCTION: f64 = 16.0;
+/// Fewest and most pixels of the pilot's image.
+const PIXELS: [f64; 2] = [4096.0, 16_384.0];
+/// Samples of path tracing in the time of one of bidirectional path tracing, about.
+const PATHS: f64 = 4.0;
+/// Mutations a pixel and round of the pilot.
+const MUTATIONS: f64 = 8.0;
+/// Mutations for each independent sample of the pilot.
+const MUTATIONS_A_SAMPLE: u64 = 4;
+/// Rounds of the pilot's chains.
+const ROUNDS: u64 = 4;
+/// Most parts of the lights, unless they are asked for.
+const LIGHT_PARTS: usize = 8;
+/// Number of the first round of the pilot's chains.
+const CHAIN_PILOT: u64 = PILOT + (1 << 40);
+
+/// What a pilot is to find a plan for.
+pub(super) struct Pilot<'a, I> {
+    pub(super) view: View<'a>,
+    pub(super) importance: &'a I,
+    /// How the lights are cut; `None` leaves it to the pilot.
+    pub(super) stratification: Stratification,
+    pub(super) max_edges: usize,
+    pub(super) seed: u64,
+    /// Work of a round: as much as so many samples of path tracing a pixel.
+    pub(super) per_pixel: f64,
+}
+
+impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
+    /// Measures and decides.
+    pub(super) fn run(&self) -> (Plan, PilotCounts) {
+        let lights = self.view.scene.lights();
+        let strata = self.cut();
+        let specular = self.view.scene.materials().iter().any(|m| m.bsdf.is_delta());
+        let parts = Parts::new(lights, &strata, self.max_edges, specular);
+        let camera = self.view.camera.with_size(self.size());
+        let view = View { camera: &camera, ..self.view };
+        let measured = self.independent(view, &parts);
+        let weights = weights(&measured, camera.size());
+        let (chains, tally) = self.chains(view, &parts, &weights);
+        let costs: Vec<_> = (0..parts.len()).map(|i| costs(i, &measured, &chains, &weights, camera.pixels())).collect();
+        let work = [0, 1].map(|m| measured[m].work * TIME_OF_A_RAY[m]);
+        let decision = decide(work, &costs);
+        let budget = self.per_pixel * f64::from(self.view.camera.pixels()) * measured[0].work;
+        let independent = decision.independent.map(|m| {
+            let taken: Vec<_> = decision.in_chains.iter().map(|chained| !chained).collect();
+            let samples = budget * (1.0 - decision.chain_share) / work[m];
+            let errors = measured[m].errors(&taken, &weights);
+            (SAMPLERS[m], spread::counts(&errors, camera.size(), self.view.camera.size(), samples))
+        });
+        let (chained, shares) = share_out(&parts, &decision, &chains, budget * decision.chain_share);
+        let samples = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
+        let spent = PilotCounts { mutations: tally.total().steps(), rays: tally.work() + samples as u64 };
+        let summary = summary(&parts, &decision, &costs, work);
+        (Plan { independent, chained, shares, summary, strata }, spent)
+    }
+
+    fn cut(&self) -> LightStrata {
+        let lights = self.view.scene.lights();
+        if !matches!(self.stratification, Stratification::None | Stratification::Auto) {
+            return LightStrata::new(lights, self.stratification);
+        }
+        // Parts of one light hardly ever differ in what samples them best.
+        let tree = LightTree::new(lights);
+        LightStrata::of_cut(lights, &tree, &tree.cut(LIGHT_PARTS.min(lights.lights.len()), 0.0), 0.0)
+    }
+
+    /// Size of the pilot's image.
+    fn size(&self) -> [u32; 2] {
+        let [w, h] = self.view.camera.size().map(f64::from);
+        let pixels = (w * h / REDUCTION).clamp(PIXELS[0], PIXELS[1]);
+        let scale = (pixels / (w * h)).sqrt().min(1.0);
+        [w, h].map(|n| (n * scale).round().max(1.0) as u32)
+    }
+
+    fn independent(&self, view: View, parts: &Parts) -> [Measured; 2] {
+        let region = &LightRegion::whole(view.scene.lights());
+        let max_edges = self.max_edges;
+        let samples = |n: f64| (n.max(1.0) as u64).next_power_of_two();
+        let (path, bidirectional) = (samples(self.per_pixel), samples(self.per_pixel / PATHS));
+        [
+            Measured::new(&PathTracer { view, region, max_edges }, parts, path, self.seed),
+            Measured::new(&Bidirectional { view, region, max_edges }, parts, bidirectional, self.seed),
+        ]
+    }
+
+    /// What chains find in each part.
+    fn chains(&self, view: View, parts: &Parts, weights: &[f64]) -> (Vec<Measure>, Tally) {
+        let strata: Vec<_> = (0..parts.strata.regions().len())
+            .flat_map(|j| parts.groups.iter().map(move |&kinds| (j, kinds)))
+            .map(|(j, kinds)| LightStratum::of_part(parts.strata, j, kinds, view, self.max_edges))
+            .collect();
+        let mutations = (MUTATIONS * f64::from(view.camera.pixels()) / strata.len() as f64) as u64;
+        let mutations = mutations.max(LEAST_CHAIN);
+        let shares = vec![Share { mutations, samples: mutations.div_ceil(MUTATIONS_A_SAMPLE) }; strata.len()];
+        let mixture = Mixture::new(PathMutation::all(view));
+        let (importance, seed) = (self.importance, self.seed);
+        let chains =
+            Metropolis { strata: &strata, shares: &shares, mixture: &mixture, importance, seed, work: rays_traced };
+        chains.pilot(view.camera.pixels(), CHAIN_PILOT..CHAIN_PILOT + ROUNDS, &|_| weights.to_vec())
+    }
+}
+
+/// Weights of squared errors on the pilot's image. Where a sampler met something bright, the image is taken to be so.
+fn weights(measured: &[Measured; 2], size: [u32; 2]) -> Vec<f64> {
+    let images = measured.each_ref().map(Measured::image);
+    let smooth = images.each_ref().map(|image| blurred(image, size, 1));
+    let smaller = |[a, b]: [&Vec<f64>; 2]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a.min(*b)).collect() };
+    let both = smaller(images.each_ref());
+    let level = |i: usize| both[i].max(0.5 * (smooth[0][i] + smooth[1][i]));
+    weights_of_smooth(&(0..both.len()).map(level).collect::<Vec<_>>())
+}
+
+/// What one part costs each estimator.
+fn costs(part: usize, measured: &[Measured; 2], chains: &[Measure], weights: &[f64], pixels: u32) -> Costs<2> {
+    let weight = weights.iter().sum::<f64>() / weights.len() as f64;
+    let found = [0, 1].map(|m| measured[m].energy(part));
+    let certain = found.iter().map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
+    // What a method's N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
+    let missed = |m: usize| {
+        weight * (0.5 * certain - found[m][0]).max(0.0).powi(2) * measured[m].samples * f64::from(pixels) / 3.0
+    };
+    let independent = [0, 1].map(|m| measured[m].error(part, weights).max(missed(m)));
+    let chains = &chains[part];
+    // Σ over pixels with a total of n mutations → mean over pixels with n mutations a pixel.
+    let scale = f64::from(pixels).powi(-2) * TIME_OF_A_CHAINS_RAY;
+    let side = |error: f64, work: f64| (error * work * scale).sqrt();
+    let chains = match chains.chain_error {
+        Some(error) => side(error, chains.mutation_cost) + side(chains.sample_error, chains.sample_cost),
+        // Chains that found no light where samples did are no use.
+        None if found.iter().any(|[energy, _]| *energy > 0.0) => f64::INFINITY,
+        None => 0.0,
+    };
+    Costs { independent, chains: chains * chains }
+}
+
+/// The kinds of each of the lights' parts that chains sample, and their shares of a round of so much work.
+fn share_out(parts: &Parts, decision: &Decision, measures: &[Measure], work: f64) -> (Vec<Kinds>, Vec<Share>) {
+    let (mut chained, mut unions) = (Vec::new(), Vec::new());
+    let groups = parts.groups.len();
+    for (in_chains, measures) in decision.in_chains.chunks(groups).zip(measures.chunks(groups)) {
+        let of = parts.groups.iter().zip(measures).zip(in_chains).filter(|(_, chained)| **chained);
+        let (kinds, measures): (Vec<Kinds>, Vec<Measure>) = of.map(|((kinds, m), _)| (kinds, *m)).unzip();
+        chained.push(kinds.iter().flat_map(|kinds| kinds.iter()).fold(Kinds::NONE, Kinds::with));
+        if !measures.is_empty() {
+            unions.push(Measure::of_union(&measures));
+        }
+    }
+    let mut mutations = work / (2.0 * TIME_OF_A_CHAINS_RAY);
+    let mut shares = Vec::new();
+    for _ in 0..3 {
+        let n = (mutations.max(1.0) / unions.len().max(1) as f64) as u64;
+        let even = vec![Share { mutations: n.max(1), samples: (n / MUTATIONS_A_SAMPLE).max(1) }; unions.len()];
+        shares = allocate(&unions, &even, mutations.max(1.0));
+        let cost = |(share, m): (&Share, &Measure)| {
+            share.mutations as f64 * m.mutation_cost + share.samples as f64 * m.sample_cost
+        };
+        let expected = TIME_OF_A_CHAINS_RAY * shares.iter().zip(&unions).map(cost).sum::<f64>();
+        mutations *= if expected > 0.0 { (work / expected).clamp(0.1, 10.0) } else { 1.0 };
+    }
+    (chained, shares)
+}
+
+fn summary(parts: &Parts, decision: &Decision, costs: &[Costs<2>], work: [f64; 2]) -> Summary {
+    let groups = parts.groups.len();
+    let part = |(i, costs): (usize, &Costs<2>)| PartSummary {
+        light: i / groups,
+        kinds: parts.groups[i % groups],
+        path: costs.independent[0] * work[0],
+        bidirectional: costs.independent[1] * work[1],
+        chains: costs.chains,
+        in_chains: decision.in_chains[i],
+    };
+    Summary {
+        sampler: decision.independent.map(|m| SAMPLERS[m]),
+        chain_share: decision.chain_share,
+        parts: costs.iter().enumerate().map(part).collect(),
+    }
+}

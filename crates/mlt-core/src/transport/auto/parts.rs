@@ -1,0 +1,88 @@
+//! The parts of path space that are measured one by one.
+
+use crate::transport::independent::Selection;
+use crate::transport::kind::{KINDS, Kind, Kinds, LightEnd, PathEnd};
+use crate::transport::lights::Lights;
+use crate::transport::strata::LightStrata;
+
+/// Products of the lights' parts and of groups of kinds, in this order.
+pub(super) struct Parts<'a> {
+    pub(super) lights: &'a Lights,
+    pub(super) strata: &'a LightStrata,
+    /// Disjoint sets that together hold all kinds.
+    pub(super) groups: Vec<Kinds>,
+    /// The group of each kind.
+    group_of: [u8; KINDS],
+}
+
+impl<'a> Parts<'a> {
+    /// `specular`: whether anything in the scene is; kinds that it lacks are not told apart.
+    pub(super) fn new(lights: &'a Lights, strata: &'a LightStrata, max_edges: usize, specular: bool) -> Self {
+        let lengths = [[1, 2], [3, 4], [5, usize::MAX]];
+        let mut groups = Vec::new();
+        for [least, most] in lengths.into_iter().filter(|[least, _]| *least <= max_edges) {
+            let of_length = |special: bool| {
+                let within = |kind: &Kind| kind.index() % 2 == usize::from(special);
+                let inside = |kind: &Kind| {
+                    let lowest = Kind::new(least, special).index();
+                    (lowest..=Kind::new(most, special).index()).contains(&kind.index())
+                };
+                (Kinds::ALL.iter().filter(within).filter(inside)).fold(Kinds::NONE, Kinds::with)
+            };
+            let [plain, special] = [false, true].map(of_length);
+            if specular {
+                groups.extend([plain, special]);
+            } else {
+                groups.push(special.iter().fold(plain, Kinds::with));
+            }
+        }
+        let group_of = std::array::from_fn(|kind| {
+            let holds = |group: &Kinds| group.contains(Kind::from_index(kind));
+            groups.iter().position(holds).unwrap_or(groups.len() - 1) as u8
+        });
+        Self { lights, strata, groups, group_of }
+    }
+
+    /// Number of parts.
+    pub(super) fn len(&self) -> usize {
+        self.strata.regions().len() * self.groups.len()
+    }
+
+    /// Which part a path belongs to.
+    pub(super) fn index(&self, end: &PathEnd) -> usize {
+        let stratum = self.stratum(end);
+        stratum * self.groups.len() + usize::from(self.group_of[end.kind.index()])
+    }
+
+    fn stratum(&self, end: &PathEnd) -> usize {
+        stratum(self.lights, self.strata, end)
+    }
+}
+
+/// The light's part that a path starts in.
+fn stratum(lights: &Lights, strata: &LightStrata, end: &PathEnd) -> usize {
+    if strata.regions().len() == 1 {
+        return 0;
+    }
+    match end.light {
+        LightEnd::Drawn(point) => strata.index(point) as usize,
+        LightEnd::Met(x) => lights.point(x.primitive, x.position).map_or(0, |point| strata.index(&point) as usize),
+    }
+}
+
+/// The paths of some kinds in each part of the lights.
+pub struct SomePaths<'a> {
+    /// The lights.
+    pub lights: &'a Lights,
+    /// Their parts.
+    pub strata: &'a LightStrata,
+    /// One set for each part.
+    pub kinds: &'a [Kinds],
+}
+
+impl Selection for SomePaths<'_> {
+    #[inline]
+    fn contains(&self, end: &PathEnd) -> bool {
+        self.kinds[stratum(self.lights, self.strata, end)].contains(end.kind)
+    }
+}
