@@ -86,8 +86,7 @@ impl Blocks {
     ///
     /// What is estimated is the share q = m/M of the image's luminance that lies in the block. A state of a chain that
     /// samples luminance lies there or not, with variance W = q(1 − q). Rounds whose states are worth n independent
-    /// ones differ by B/n = Var(q̂), so R̂² = 1 + Var(q̂)/W and n = W/Var(q̂): R̂ = 1.05 means ten. For independent methods
-    /// the same formula counts independent samples.
+    /// ones differ by B/n = Var(q̂), so R̂² = 1 + Var(q̂)/W and n = W/Var(q̂): R̂ = 1.05 means ten.
     ///
     /// Source: [GelmanRubin92].
     pub fn agreement(&self) -> Option<Agreement> {

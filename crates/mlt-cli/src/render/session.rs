@@ -92,7 +92,7 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
         return Err(code(anyhow::anyhow!(what)));
     }
     let mut report = report(options, setup, &film, &counts);
-    report.agreement = blocks.agreement();
+    report.agreement = blocks.agreement().filter(|_| counts.steps() > 0);
     report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));
     report.decision = renderer.decision().map(Decision::from);
     report.interrupted = interrupted;

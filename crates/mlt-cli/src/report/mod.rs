@@ -71,7 +71,7 @@ pub struct Report {
     pub strata: Vec<StratumReport>,
     /// Estimated relative error of the image, a fraction; `None` when there were too few rounds to tell.
     pub relative_error: Option<f64>,
-    /// How well the rounds agree; `None` when there were too few to tell, and for a black image.
+    /// How well the rounds agree; `None` without chains, when there were too few rounds to tell, and for a black image.
     pub agreement: Option<Agreement>,
     /// What the method `auto` decided; `None` for other methods.
     pub decision: Option<Decision>,
