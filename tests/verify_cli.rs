@@ -82,3 +82,31 @@ fn the_gallery_goes_on_where_it_stopped() {
     assert!(run("--seed 7").status.success());
     assert!(!fs::read_to_string(&kept).expect("kept").contains("\"kept\""), "another seed is another study");
 }
+
+/// Light that needs 12 edges does not come in 11.
+#[test]
+fn the_duct_is_as_long_as_it_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/stability/duct/scene.gltf");
+    let says_black = |edges: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_mlt"));
+        let options = [
+            "--method",
+            "bdpt",
+            "--samples-per-pixel",
+            "64",
+            "--size",
+            "8x8",
+            "-q",
+            "-o",
+            "a.exr",
+            "--max-length",
+            edges,
+        ];
+        let output =
+            command.current_dir(folder.path()).arg("render").arg(scene).args(options).output().expect("started");
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output).contains("the image is black")
+    };
+    assert!(says_black("11") && !says_black("14"));
+}
