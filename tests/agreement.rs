@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2};
 use mlt_core::engine::Path;
 use mlt_core::transport::{
     bdpt::{Bidirectional, MOST_EDGES},
-    independent::{AllPaths, ImageSampler, Independent, SampleCounts},
+    independent::{AllPaths, ImageSampler, Independent},
     kind::{Kind, LightEnd, PathEnd},
     path::View,
     region::LightRegion,
@@ -102,7 +102,7 @@ fn errors_are_seen(name: &str, world: &World, truth: &Known, estimates: &[Replic
     let region = LightRegion::whole(world.scene.lights());
     let view = View { scene: &world.scene, camera: &camera };
     let sampler = BrightDirectLight(Bidirectional { view, region: &region, max_edges: MOST_EDGES });
-    let estimator = Independent { sampler: &sampler, selection: AllPaths, counts: SampleCounts::Even(256.0), seed: 5 };
+    let estimator = Independent { sampler: &sampler, selection: AllPaths, samples_per_pixel: 256.0, seed: 5 };
     let unit = world.scene.typical_radiance();
     check(&replicas_of(&estimator, camera.pixels(), unit, ROUNDS), "direct light two per cent too bright");
     let lights = &world.scene.lights().lights;

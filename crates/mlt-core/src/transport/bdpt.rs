@@ -4,7 +4,7 @@
 
 use super::light::LightPoint;
 use super::mis;
-use super::path::{LightPath, PathVertex, View, geometric_term, set_scattering};
+use super::path::{LightPath, PathVertex, View, set_scattering};
 use super::region::LightRegion;
 use super::subpath::{start_at_eye, start_at_light, step_from_eye, step_from_light};
 use crate::engine::{uniform, uniform_f32};
@@ -176,7 +176,7 @@ impl Bidirectional<'_> {
                 return;
             }
             let [x, y] = [&light.vertices[i], &light.vertices[i + 1]];
-            let factor = x.scatter.as_dvec3() * (geometric_term(x, &y.vertex) / y.forward);
+            let factor = x.scatter.as_dvec3() * (x.geometric_term() / y.forward);
             if i == 0 {
                 certain = light.carried[0].throughput.x * factor.max_element();
             }
@@ -203,7 +203,7 @@ impl Bidirectional<'_> {
                 return;
             }
             let [x, y] = [&eye.vertices[i], &eye.vertices[i - 1]];
-            let factor = x.scatter.as_dvec3() * (geometric_term(y, &x.vertex) / y.reverse);
+            let factor = x.scatter.as_dvec3() * (y.geometric_term() / y.reverse);
             let others =
                 if i + 1 < last { mis::from_eye(&eye.vertices, i + 1, eye.carried[last - i].others) } else { 0.0 };
             if !eye.extend(factor, others, 1.0, rng) {

@@ -4,49 +4,72 @@
 //! connection adds what depends on its edge. [`Bidirectional::sample`] finds the same from whole paths.
 
 use super::bdpt::{Bidirectional, Carried, Scratch, Subpath};
+use super::bsdf::Evaluation;
 use super::kind::{Kind, LightEnd, PathEnd};
-use super::path::{PathVertex, geometric_term, set_edge, set_scattering};
-use super::{Rgb, mis};
-use glam::{DVec3, Vec2};
+use super::mis::square;
+use super::path::{PathVertex, emission, scattering};
+use super::vertex::Vertex;
+use glam::{DVec3, Vec2, Vec3};
 use rand_pcg::rand_core::Rng;
 
-/// The vertices around a connection, as far as its densities depend on them: x_{s−3} … x_{s+2}, or fewer.
-struct Window {
-    vertices: [PathVertex; 6],
-    len: usize,
-    /// Where x_s is.
-    joint: usize,
+/// The edge that joins two subpaths, x_{s−1} to x_s.
+struct Edge {
+    to_eye: Vec3,
+    inverse_square: f32,
 }
 
-impl Window {
-    /// The last light vertices among the first s, and the last camera vertices among the first t.
-    fn new(light: &[PathVertex], eye: &[PathVertex]) -> Self {
-        let (light, eye) = (&light[light.len().saturating_sub(3)..], &eye[..eye.len().min(3)]);
-        let mut vertices = [eye[0]; 6];
-        vertices[..light.len()].copy_from_slice(light);
-        vertices[light.len()..light.len() + eye.len()].copy_from_slice(eye);
-        Self { vertices, len: light.len() + eye.len(), joint: light.len() }
+impl Edge {
+    /// `None` if the two coincide.
+    #[inline]
+    fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
+        let d = y.position - x.position;
+        let square = d.length_squared();
+        let inverse_square = 1.0 / square;
+        let edge = Self { to_eye: d * inverse_square.sqrt(), inverse_square };
+        (square > 0.0 && inverse_square.is_finite()).then_some(edge)
     }
 
-    /// Σ_{i > s} (p_i/p_s)². `ahead`: that sum from two vertices further towards the camera.
-    fn later_techniques(&self, ahead: f64) -> f64 {
-        let vertices = &self.vertices[..self.len];
-        match self.len - self.joint {
-            1 => 0.0,
-            2 => mis::from_eye(vertices, self.joint, 0.0),
-            _ => mis::from_eye(vertices, self.joint, mis::from_eye(vertices, self.joint + 1, ahead)),
+    /// A density per solid angle along the edge as a density per area at `target`, one of its two ends.
+    #[inline]
+    fn per_area(&self, pdf: f32, target: &Vertex) -> f64 {
+        let cos = target.geometric_normal.dot(self.to_eye).abs();
+        f64::from(pdf) * f64::from(cos) * f64::from(self.inverse_square)
+    }
+}
+
+/// 1 if two neighbours may be connected, else 0.
+#[inline]
+fn allowed(x: &Vertex, y: &Vertex) -> f64 {
+    f64::from(u8::from(!(x.delta | y.delta)))
+}
+
+/// Σ_{i > s} (p_i/p_s)². `eye`: x_s and what follows; `forward`: density of x_s; `pdf`: of the direction from x_s to x_{s+1};
+/// `ahead`: that sum from two vertices further towards the camera. See [`mis`](super::mis).
+#[inline]
+fn later_techniques(eye: &[PathVertex], forward: f64, pdf: f32, ahead: f64) -> f64 {
+    let [x, y, rest @ ..] = eye else { return 0.0 };
+    let beyond = match rest.first() {
+        None => 0.0,
+        Some(z) => square(x.per_area_there(pdf) / y.reverse) * (allowed(&y.vertex, &z.vertex) + ahead),
+    };
+    square(forward / x.reverse) * (allowed(&x.vertex, &y.vertex) + beyond)
+}
+
+/// Σ_{i < s} (p_i/p_s)². `light`: x_0 … x_{s−1}; `reverse`: density of x_{s−1}; `pdf`: of the direction from x_{s−1} to x_{s−2};
+/// `behind`: that sum from two vertices further towards the light.
+#[inline]
+fn earlier_techniques(light: &[PathVertex], power: f64, (reverse, pdf): (f64, f32), behind: f64) -> f64 {
+    let forward = |j: usize| if j == 0 { light[0].forward / power } else { light[j].forward };
+    let connects = |j: usize| if j == 0 { 1.0 } else { allowed(&light[j - 1].vertex, &light[j].vertex) };
+    let last = light.len() - 1;
+    let before = match last.checked_sub(1) {
+        None => 0.0,
+        Some(j) => {
+            let reverse = light[j].per_area_here(pdf);
+            square(reverse / forward(j)) * (connects(j) + behind)
         }
-    }
-
-    /// Σ_{i < s} (p_i/p_s)². `behind`: that sum from two vertices further towards the light.
-    fn earlier_techniques(&self, power: f64, behind: f64) -> f64 {
-        let before = match self.joint {
-            0 => return 0.0,
-            1 => 0.0,
-            _ => mis::from_light(&self.vertices, self.joint - 2, power, behind),
-        };
-        mis::from_light(&self.vertices, self.joint - 1, power, before)
-    }
+    };
+    square(reverse / forward(last)) * (connects(last) + before)
 }
 
 impl Bidirectional<'_> {
@@ -75,42 +98,44 @@ impl Bidirectional<'_> {
     /// s = 0: the camera subpath meets a light with its last vertex.
     fn hit(&self, eye: &Subpath, t: usize) -> Option<DVec3> {
         let vertices = &eye.vertices[eye.vertices.len() - t..];
-        if t < 2 || self.view.scene.lights().of(vertices[0].vertex.primitive).is_none() {
+        let x = &vertices[0];
+        if t < 2 || !x.vertex.emits {
             return None;
         }
-        let mut window = Window::new(&[], vertices);
-        set_scattering(&mut window.vertices[..window.len], 0, &self.view)?;
-        window.vertices[0].forward /= self.region.power();
+        let Evaluation { value, pdf_to_eye, .. } = emission(&self.view, &x.vertex, x.to_eye)?;
+        let forward = self.view.scene.lights().of(x.vertex.primitive)?.exitance() / self.region.power();
         let Carried { throughput, others, .. } = eye.carried(t);
-        let weight = 1.0 / (1.0 + window.later_techniques(others));
-        Some(throughput * window.vertices[0].scatter.as_dvec3() * weight)
+        let weight = 1.0 / (1.0 + later_techniques(vertices, forward, pdf_to_eye, others));
+        Some(throughput * value.as_dvec3() * weight)
     }
 
     /// s ≥ 1 and t ≥ 1: an edge between the subpaths. With t = 1 it crosses the image at a pixel of its own.
     fn connection(&self, scratch: &Scratch, s: usize, t: usize) -> Option<(Option<u32>, DVec3)> {
         let (light, eye) = (&scratch.light.vertices[..s], &scratch.eye.vertices[scratch.eye.vertices.len() - t..]);
-        if light[s - 1].vertex.delta || eye[0].vertex.delta {
+        let (x, y) = (&light[s - 1], &eye[0]);
+        if x.vertex.delta || y.vertex.delta {
             return None;
         }
-        let mut window = Window::new(light, eye);
-        let (len, joint) = (window.len, window.joint);
-        let vertices = &mut window.vertices[..len];
-        set_edge(vertices, joint - 1)?;
+        let edge = Edge::between(&x.vertex, &y.vertex)?;
         let pixel = match t {
-            1 => Some(self.view.camera.pixel(self.view.camera.image_point(-vertices[joint - 1].to_eye)?)),
+            1 => Some(self.view.camera.pixel(self.view.camera.image_point(-edge.to_eye)?)),
             _ => None,
         };
-        set_scattering(vertices, joint - 1, &self.view)?;
-        set_scattering(vertices, joint, &self.view)?;
-        let (x, y) = (window.vertices[joint - 1], window.vertices[joint]);
+        let at_x = match s {
+            1 => emission(&self.view, &x.vertex, edge.to_eye)?,
+            _ => scattering(&self.view, x, -light[s - 2].to_eye, edge.to_eye)?,
+        };
+        let at_y = scattering(&self.view, y, -edge.to_eye, y.to_eye)?;
         let (from_light, from_eye) = (scratch.light.carried(s), scratch.eye.carried(t));
-        let others = window.earlier_techniques(self.region.power(), from_light.others)
-            + window.later_techniques(from_eye.others);
-        let scatter: Rgb = x.scatter * y.scatter;
+        let forward = edge.per_area(at_x.pdf_to_eye, &y.vertex);
+        let back = (edge.per_area(at_y.pdf_to_light, &x.vertex), at_x.pdf_to_light);
+        let others = earlier_techniques(light, self.region.power(), back, from_light.others)
+            + later_techniques(eye, forward, at_y.pdf_to_eye, from_eye.others);
+        let geometric = edge.per_area(x.vertex.geometric_normal.dot(edge.to_eye).abs(), &y.vertex);
         let value = from_light.throughput
             * from_eye.throughput
-            * scatter.as_dvec3()
-            * (geometric_term(&x, &y.vertex) / (1.0 + others));
+            * (at_x.value * at_y.value).as_dvec3()
+            * (geometric / (1.0 + others));
         self.view.scene.visible(&x.vertex, &y.vertex).then_some((pixel, value))
     }
 }

@@ -59,24 +59,15 @@ impl Selection for AllPaths {
     }
 }
 
-/// How many samples each pixel gets.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SampleCounts {
-    /// The same in every pixel: on average over the rounds so many; round r takes ⌊(r + 1) n⌋ − ⌊r n⌋ of them, but one at
-    /// least.
-    Even(f64),
-    /// So many of each pixel in every round, one or more.
-    Each(Vec<u32>),
-}
-
-/// Samples the pixels in each round, independently of all other rounds.
+/// Samples every pixel equally often in each round.
 pub struct Independent<'a, T, S = AllPaths> {
     /// The method.
     pub sampler: &'a T,
     /// The paths that are sampled.
     pub selection: S,
-    /// Samples of the pixels.
-    pub counts: SampleCounts,
+    /// Samples of each pixel in a round, on average over the rounds: round r takes ⌊(r + 1) n⌋ − ⌊r n⌋ of them, but one
+    /// at least.
+    pub samples_per_pixel: f64,
     /// Key of all random streams.
     pub seed: u64,
 }
@@ -90,116 +81,81 @@ pub struct SampleTally {
     pub rays: u64,
 }
 
-impl SampleCounts {
-    /// Samples of all pixels together in a round.
-    fn total(&self, round: u64, pixels: u64) -> u64 {
-        match self {
-            Self::Even(_) => pixels * self.of(round, 0),
-            Self::Each(counts) => counts.iter().map(|&n| u64::from(n)).sum(),
-        }
-    }
-
-    /// Samples of a pixel in a round.
-    fn of(&self, round: u64, pixel: u64) -> u64 {
-        match self {
-            Self::Even(n) => {
-                // The small addend keeps whole multiples whole: ten thirds in three rounds are ten.
-                let up_to = |rounds: u64| (rounds as f64 * n + 1e-6).floor() as u64;
-                (up_to(round + 1) - up_to(round)).max(1)
-            }
-            Self::Each(counts) => u64::from(counts[pixel as usize]),
-        }
-    }
-
-    /// Weight of a round: Var ∝ 1/weight.
-    fn weight(&self, round: u64) -> u64 {
-        match self {
-            Self::Even(_) => self.of(round, 0),
-            Self::Each(_) => 1,
-        }
-    }
-
-    /// Mean samples of a pixel.
-    fn mean(&self) -> f64 {
-        match self {
-            Self::Even(n) => n.max(1.0),
-            Self::Each(counts) => counts.iter().map(|&n| f64::from(n)).sum::<f64>() / counts.len() as f64,
-        }
-    }
-}
-
 impl<T: ImageSampler, S: Selection> Independent<'_, T, S> {
     fn pixels(&self) -> u64 {
         let [w, h] = self.sampler.size();
         u64::from(w) * u64::from(h)
     }
 
-    /// Takes a pixel's samples of a round, the first points of one Owen-scrambled Sobol sequence; returns their number.
-    fn sample_pixel(&self, task: &ImageTask, pixel: u64, deposits: &mut Deposits<3>) -> u64 {
-        let samples = self.counts.of(task.round, pixel);
-        let seed = generator(self.seed, Purpose::Image, task.round, 0, pixel).next_u64();
-        let [w, h] = self.sampler.size();
-        let corner = Vec2::new((pixel % u64::from(w)) as f32, (pixel / u64::from(w)) as f32);
+    fn samples(&self, round: u64) -> u64 {
+        // The small addend keeps whole multiples whole: ten thirds in three rounds are ten.
+        let up_to = |rounds: u64| (rounds as f64 * self.samples_per_pixel + 1e-6).floor() as u64;
+        (up_to(round + 1) - up_to(round)).max(1)
+    }
+
+    /// Pixels of one task: at least one, as many as make a task worth its while.
+    fn pixels_per_task(&self) -> u64 {
+        (TASK_SAMPLES / (self.samples_per_pixel.ceil() as u64).max(1)).max(1)
+    }
+
+    /// Takes a pixel's samples of a round: the first points of one Owen-scrambled Sobol sequence.
+    fn sample_pixel(&self, round: u64, pixel: u64, deposits: &mut Deposits<3>) {
+        let samples = self.samples(round);
+        let seed = generator(self.seed, Purpose::Image, round, 0, pixel).next_u64();
+        let size = self.sampler.size();
+        let weight = 1.0 / samples as f64;
         let mut here = DVec3::ZERO;
         for index in 0..samples {
             let rng = &mut OwenSobol::new(seed, index);
-            let inside = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-            let image = (corner + inside) / Vec2::new(w as f32, h as f32);
-            self.sampler.sample(image.min(Vec2::splat(1.0 - f32::EPSILON)), rng, &mut |elsewhere, value, end| {
-                match elsewhere {
-                    _ if !self.selection.contains(&end) => {}
-                    Some(site) => deposits.deposit(Splat { site, value: value.to_array() }, task.splat_weight),
-                    None => here += value,
-                }
+            let image = point_in_pixel(pixel, size, rng);
+            self.sampler.sample(image, rng, &mut |elsewhere, value, end| match elsewhere {
+                _ if !self.selection.contains(&end) => {}
+                Some(site) => deposits.deposit(Splat { site, value: value.to_array() }, weight),
+                None => here += value,
             });
         }
         if here != DVec3::ZERO {
-            deposits.deposit(Splat { site: pixel as u32, value: here.to_array() }, 1.0 / samples as f64);
+            deposits.deposit(Splat { site: pixel as u32, value: here.to_array() }, weight);
         }
-        samples
     }
 }
 
-/// What the tasks of a round share.
-pub struct ImageTask {
-    round: u64,
-    /// One over the mean samples of a pixel: the weight of what crosses the image elsewhere.
-    splat_weight: f64,
-    pixels_per_task: u64,
+/// A uniform point of a pixel, as a point of the image in [0, 1)².
+pub(super) fn point_in_pixel(pixel: u64, [w, h]: [u32; 2], rng: &mut impl Rng) -> Vec2 {
+    let corner = Vec2::new((pixel % u64::from(w)) as f32, (pixel / u64::from(w)) as f32);
+    let inside = Vec2::new(uniform_f32(rng), uniform_f32(rng));
+    ((corner + inside) / Vec2::new(w as f32, h as f32)).min(Vec2::splat(1.0 - f32::EPSILON))
 }
 
 impl<T: ImageSampler, S: Selection> Estimator<3> for Independent<'_, T, S> {
-    type Prepared = ImageTask;
+    type Prepared = u64;
     type Tally = SampleTally;
 
-    fn prepare(&self, round: u64) -> ImageTask {
-        let pixels = self.pixels();
-        let samples = self.counts.total(round, pixels);
-        let pixels_per_task = (TASK_SAMPLES * pixels / samples).max(1);
-        ImageTask { round, splat_weight: pixels as f64 / samples as f64, pixels_per_task }
+    fn prepare(&self, round: u64) -> u64 {
+        round
     }
 
-    fn tasks(&self, prepared: &ImageTask) -> usize {
-        self.pixels().div_ceil(prepared.pixels_per_task) as usize
+    fn tasks(&self, _: &u64) -> usize {
+        self.pixels().div_ceil(self.pixels_per_task()) as usize
     }
 
     fn task_deposits(&self) -> usize {
-        TASK_SAMPLES.max(self.counts.mean() as u64) as usize
+        (self.pixels_per_task() * (self.samples_per_pixel.ceil() as u64).max(1)) as usize
     }
 
-    fn run(&self, prepared: &ImageTask, task: usize, deposits: &mut Deposits<3>) -> SampleTally {
+    fn run(&self, round: &u64, task: usize, deposits: &mut Deposits<3>) -> SampleTally {
         let before = rays_traced();
-        let first = task as u64 * prepared.pixels_per_task;
-        let last = (first + prepared.pixels_per_task).min(self.pixels());
-        let samples = (first..last).map(|pixel| self.sample_pixel(prepared, pixel, deposits)).sum();
-        SampleTally { samples, rays: rays_traced() - before }
+        let first = task as u64 * self.pixels_per_task();
+        let last = (first + self.pixels_per_task()).min(self.pixels());
+        (first..last).for_each(|pixel| self.sample_pixel(*round, pixel, deposits));
+        SampleTally { samples: (last - first) * self.samples(*round), rays: rays_traced() - before }
     }
 
     fn weight(&self, round: u64) -> u64 {
-        self.counts.weight(round)
+        self.samples(round)
     }
 
-    fn tally(&self, total: &mut SampleTally, _: &ImageTask, tasks: Vec<SampleTally>) {
+    fn tally(&self, total: &mut SampleTally, _: &u64, tasks: Vec<SampleTally>) {
         total.samples += tasks.iter().map(|t| t.samples).sum::<u64>();
         total.rays += tasks.iter().map(|t| t.rays).sum::<u64>();
     }

@@ -85,6 +85,7 @@ impl Light {
     }
 
     /// Triangle and position at coordinates (u, v).
+    #[inline]
     pub(super) fn at(&self, u: f64, v: f64) -> (u32, Vec3) {
         match &self.shape {
             Shape::Parallelogram { origin, edges, primitive } => {

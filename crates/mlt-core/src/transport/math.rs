@@ -1,7 +1,7 @@
 //! Small geometry: frames and maps from the unit square.
 
 use glam::{Vec2, Vec2Swizzles, Vec3};
-use std::f32::consts::FRAC_PI_4;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Two unit vectors that complete the unit vector `n` to a right-handed frame (s, t, n).
 ///
@@ -20,23 +20,31 @@ pub fn frame(n: Vec3) -> (Vec3, Vec3) {
 #[inline]
 pub fn square_to_disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - Vec2::ONE;
-    if p == Vec2::ZERO {
-        return Vec2::ZERO;
-    }
-    if p.x.abs() > p.y.abs() {
-        p.x * eighth_turn(FRAC_PI_4 * (p.y / p.x))
-    } else {
-        p.y * eighth_turn(FRAC_PI_4 * (p.x / p.y)).yx()
-    }
+    // Without a branch: which way it goes is chance.
+    let steep = p.y.abs() >= p.x.abs();
+    let (radius, other) = if steep { (p.y, p.x) } else { (p.x, p.y) };
+    let ratio = if radius == 0.0 { 0.0 } else { other / radius };
+    let d = radius * eighth_turn(FRAC_PI_4 * ratio);
+    if steep { d.yx() } else { d }
 }
 
 /// (cos φ, sin φ) for |φ| ≤ π/4, to 3·10⁻⁷, by their series: the same bits on every machine, and no call.
 #[inline]
-fn eighth_turn(angle: f32) -> Vec2 {
+pub(super) fn eighth_turn(angle: f32) -> Vec2 {
     let x2 = angle * angle;
     let cos = 1.0 - x2 * (0.5 - x2 * (1.0 / 24.0 - x2 * (1.0 / 720.0 - x2 / 40320.0)));
     let sin = angle * (1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 * (1.0 / 5040.0 - x2 / 362_880.0))));
     Vec2::new(cos, sin)
+}
+
+/// A point on the unit circle, uniformly for uniform `u` in [0, 1).
+#[inline]
+pub(super) fn on_circle(u: f32) -> Vec2 {
+    let quarters = 4.0 * u;
+    let whole = quarters as u32;
+    let p = eighth_turn(FRAC_PI_2 * (quarters - whole as f32 - 0.5));
+    let p = if whole & 1 == 0 { p } else { p.perp() };
+    if whole & 2 == 0 { p } else { -p }
 }
 
 /// A direction about the unit vector `n` with density cosθ/π, sr⁻¹.
@@ -65,6 +73,15 @@ mod tests {
             let expected = Vec2::new(f64::from(angle).cos() as f32, f64::from(angle).sin() as f32);
             assert!(eighth_turn(angle).distance(expected) < 3e-7, "{angle}");
         }
+    }
+
+    #[test]
+    fn the_circle_is_covered_evenly() {
+        let mut turns: Vec<_> = (0..1000).map(|i| on_circle((i as f32 + 0.5) / 1000.0)).collect();
+        assert!(turns.iter().all(|p| (p.length() - 1.0).abs() < 1e-6));
+        turns.sort_by(|a, b| a.to_angle().total_cmp(&b.to_angle()));
+        let step = std::f32::consts::TAU / 1000.0;
+        assert!(turns.windows(2).all(|p| (p[0].angle_to(p[1]) - step).abs() < 1e-4));
     }
 
     #[test]

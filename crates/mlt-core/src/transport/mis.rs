@@ -67,7 +67,8 @@ fn allowed(vertices: &[PathVertex], s: usize) -> f64 {
     f64::from(u8::from(connectible(vertices, s)))
 }
 
+/// x²
 #[inline]
-fn square(x: f64) -> f64 {
+pub(super) fn square(x: f64) -> f64 {
     x * x
 }

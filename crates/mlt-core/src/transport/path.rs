@@ -1,8 +1,10 @@
 //! Light paths with the densities of every way of making them.
 
 use super::Rgb;
+use super::bsdf::Evaluation;
 use super::camera::Camera;
 use super::light::LightPoint;
+use super::math::abs_dot;
 use super::scene::Scene;
 use super::vertex::Vertex;
 use crate::engine::{self, Splat};
@@ -28,6 +30,8 @@ pub struct PathVertex {
     pub to_eye: Vec3,
     /// 1/|x_{i+1} − x_i|².
     pub inverse_square: f32,
+    /// |cosθ| of the edge to x_{i+1}, at x_i and at x_{i+1}, to the geometric normals.
+    pub cosines: [f32; 2],
     /// x_0: emitted radiance; x_k: W_e; between them f_s(x_{i−1} → x_i → x_{i+1}) |ω·N_s|/|ω·N_g|, ω towards x_{i−1}.
     pub scatter: Rgb,
     /// Density per area of x_i, drawn from x_{i−1}; of x_0: M, to be divided by the power of the region it is drawn from.
@@ -39,7 +43,26 @@ pub struct PathVertex {
 impl PathVertex {
     /// A vertex whose neighbours are not known yet.
     pub fn new(vertex: Vertex) -> Self {
-        Self { vertex, to_eye: Vec3::ZERO, inverse_square: 0.0, scatter: Rgb::ZERO, forward: 0.0, reverse: 0.0 }
+        let (to_eye, scatter) = (Vec3::ZERO, Rgb::ZERO);
+        Self { vertex, to_eye, inverse_square: 0.0, cosines: [0.0; 2], scatter, forward: 0.0, reverse: 0.0 }
+    }
+
+    /// G(x_i, x_{i+1}) = |cosθ_i cosθ_{i+1}| / |x_i − x_{i+1}|², geometric normals.
+    #[inline]
+    pub(super) fn geometric_term(&self) -> f64 {
+        f64::from(self.cosines[0] * self.cosines[1]) * f64::from(self.inverse_square)
+    }
+
+    /// A density per solid angle along the edge to x_{i+1} as a density per area at x_i.
+    #[inline]
+    pub(super) fn per_area_here(&self, pdf: f32) -> f64 {
+        f64::from(pdf) * f64::from(self.cosines[0]) * f64::from(self.inverse_square)
+    }
+
+    /// The same as a density per area at x_{i+1}.
+    #[inline]
+    pub(super) fn per_area_there(&self, pdf: f32) -> f64 {
+        f64::from(pdf) * f64::from(self.cosines[1]) * f64::from(self.inverse_square)
     }
 }
 
@@ -142,7 +165,7 @@ impl LightPath {
     /// f(x) = Π_i scatter_i Π_i G(x_i, x_{i+1}).
     fn product(&self) -> DVec3 {
         self.vertices.iter().fold(DVec3::ONE, |f, v| f * v.scatter.as_dvec3())
-            * self.vertices.windows(2).map(|e| geometric_term(&e[0], &e[1].vertex)).product::<f64>()
+            * self.vertices[..self.edges()].iter().map(PathVertex::geometric_term).product::<f64>()
     }
 
     fn set_image(&mut self, view: &View) -> Option<()> {
@@ -157,59 +180,57 @@ impl LightPath {
 /// Sets the edge from x_i to x_{i+1}; `None` if they coincide.
 #[inline]
 pub(super) fn set_edge(vertices: &mut [PathVertex], i: usize) -> Option<()> {
-    let d = vertices[i + 1].vertex.position - vertices[i].vertex.position;
+    let [x, y] = vertices.get_mut(i..i + 2)? else { return None };
+    let d = y.vertex.position - x.vertex.position;
     let square = d.length_squared();
-    let inverse_square = 1.0 / square;
-    vertices[i].inverse_square = inverse_square;
-    vertices[i].to_eye = d * inverse_square.sqrt();
-    (square > 0.0 && inverse_square.is_finite()).then_some(())
+    x.inverse_square = 1.0 / square;
+    x.to_eye = d * x.inverse_square.sqrt();
+    x.cosines = [abs_dot(x.vertex.geometric_normal, x.to_eye), abs_dot(y.vertex.geometric_normal, x.to_eye)];
+    (square > 0.0 && x.inverse_square.is_finite()).then_some(())
 }
 
 /// Sets the scattering at x_i, whose edges are set, and the densities of its two neighbours, drawn from it.
 /// `None` if it scatters nothing.
 #[inline]
 pub(super) fn set_scattering(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
-    if i == 0 {
-        return set_emission(vertices, view);
+    let (before, rest) = vertices.split_at_mut(i);
+    let (x, after) = rest.split_first_mut()?;
+    let found = match before.last() {
+        Some(previous) => scattering(view, x, -previous.to_eye, x.to_eye)?,
+        None => emission(view, &x.vertex, x.to_eye)?,
+    };
+    x.scatter = found.value;
+    match after.first_mut() {
+        Some(next) => next.forward = x.per_area_there(found.pdf_to_eye),
+        None => x.reverse = 1.0,
     }
-    let (x, previous) = (vertices[i], vertices[i - 1]);
-    if x.vertex.is_camera() {
-        let cos = x.vertex.geometric_normal.dot(-previous.to_eye);
-        vertices[i - 1].reverse = per_area(view.camera.pdf(cos), &previous, &previous.vertex);
-        vertices[i].scatter = Rgb::splat(view.camera.w_e(cos));
-        vertices[i].reverse = 1.0;
-        return (cos > 0.0).then_some(());
+    match before.last_mut() {
+        Some(previous) => previous.reverse = previous.per_area_here(found.pdf_to_light),
+        None => x.forward = view.scene.lights().of(x.vertex.primitive)?.exitance(),
     }
-    let (to_light, to_eye) = (-previous.to_eye, x.to_eye);
-    vertices[i].scatter = view.scene.scatter(&x.vertex, to_light, to_eye)?;
-    let forward = view.scene.pdf(&x.vertex, to_light, to_eye);
-    let reverse = view.scene.pdf(&x.vertex, to_eye, to_light);
-    vertices[i + 1].forward = per_area(forward, &x, &vertices[i + 1].vertex);
-    vertices[i - 1].reverse = per_area(reverse, &previous, &previous.vertex);
     Some(())
 }
 
-fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<()> {
-    let x = vertices[0];
-    let light = view.scene.lights().of(x.vertex.primitive)?;
-    let emitted = view.scene.emitted(&x.vertex, x.to_eye);
-    let cos = x.vertex.geometric_normal.dot(x.to_eye);
-    let pdf = if light.both_sides { 0.5 * cos.abs() } else { cos.max(0.0) } * FRAC_1_PI;
-    vertices[0].scatter = emitted;
-    vertices[0].forward = light.exitance();
-    vertices[1].forward = per_area(pdf, &x, &vertices[1].vertex);
-    (emitted != Rgb::ZERO).then_some(())
+/// Emitted radiance at x_0, and the density, per solid angle, of the direction that a light subpath starts into.
+/// `None`: nothing.
+#[inline]
+pub(super) fn emission(view: &View, x: &Vertex, to_eye: Vec3) -> Option<Evaluation> {
+    if !x.emits {
+        return None;
+    }
+    let value = view.scene.emitted(x, to_eye);
+    let cos = x.geometric_normal.dot(to_eye);
+    let pdf = if view.scene.emits_both_sides(x) { 0.5 * cos.abs() } else { cos.max(0.0) } * FRAC_1_PI;
+    (value != Rgb::ZERO).then_some(Evaluation { value, pdf_to_eye: pdf, pdf_to_light: 0.0 })
 }
 
-/// G(x, y) = |cosθ_x cosθ_y| / |x − y|², geometric normals; `from` holds the edge to `to`.
+/// Scattering and densities at a surface or, as W_e, at the camera; `None`: nothing.
 #[inline]
-pub(super) fn geometric_term(from: &PathVertex, to: &Vertex) -> f64 {
-    let cosines = from.vertex.geometric_normal.dot(from.to_eye) * to.geometric_normal.dot(from.to_eye);
-    f64::from(cosines.abs()) * f64::from(from.inverse_square)
-}
-
-/// A density per solid angle along `edge` as a density per area at `target`, one of its two ends.
-#[inline]
-pub(super) fn per_area(pdf: f32, edge: &PathVertex, target: &Vertex) -> f64 {
-    f64::from(pdf) * f64::from(target.geometric_normal.dot(edge.to_eye).abs()) * f64::from(edge.inverse_square)
+pub(super) fn scattering(view: &View, x: &PathVertex, to_light: Vec3, to_eye: Vec3) -> Option<Evaluation> {
+    if !x.vertex.is_camera() {
+        return view.scene.evaluate(&x.vertex, to_light, to_eye);
+    }
+    let cos = x.vertex.geometric_normal.dot(to_light);
+    let value = Rgb::splat(view.camera.w_e(cos));
+    (cos > 0.0).then(|| Evaluation { value, pdf_to_eye: 0.0, pdf_to_light: view.camera.pdf(cos) })
 }

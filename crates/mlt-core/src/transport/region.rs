@@ -19,8 +19,23 @@ pub struct Cell {
 #[derive(Clone, Debug)]
 pub struct LightRegion {
     cells: Vec<Cell>,
+    /// Share of the power up to and with each cell.
     cumulative: Vec<f64>,
+    /// How u lies on each cell.
+    scales: Vec<Scale>,
     power: f64,
+}
+
+/// The map of an interval of [0, 1) onto a cell.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    /// Where the interval begins.
+    begin: f64,
+    /// Width of the cell over that of the interval.
+    width: f64,
+    height: f64,
+    /// The largest coordinates below the cell's upper bounds.
+    last: DVec2,
 }
 
 impl Cell {
@@ -46,7 +61,16 @@ impl LightRegion {
         };
         let mut cumulative: Vec<f64> = cells.iter().map(&mut add).collect();
         cumulative.iter_mut().for_each(|c| *c /= power);
-        Self { cells, cumulative, power }
+        let mut begin = 0.0;
+        let mut scale = |(cell, &end): (&Cell, &f64)| {
+            let size = cell.high - cell.low;
+            let last = DVec2::new(cell.high.x.next_down(), cell.high.y.next_down());
+            let scale = Scale { begin, width: size.x / (end - begin), height: size.y, last };
+            begin = end;
+            scale
+        };
+        let scales = cells.iter().zip(&cumulative).map(&mut scale).collect();
+        Self { cells, cumulative, scales, power }
     }
 
     /// All lights.
@@ -66,12 +90,20 @@ impl LightRegion {
     }
 
     /// A point with density M/power per area, from two uniform numbers; never on a cell's upper bounds.
+    #[inline]
     pub fn sample(&self, u: f64, v: f64) -> LightPoint {
-        let i = self.cumulative.partition_point(|&c| c <= u).min(self.cells.len() - 1);
-        let low = if i == 0 { 0.0 } else { self.cumulative[i - 1] };
-        let Cell { light, low: corner, high } = self.cells[i];
-        let u = ((u - low) / (self.cumulative[i] - low)).max(0.0);
-        let p = corner + DVec2::new(u, v) * (high - corner);
-        LightPoint { light, u: p.x.min(high.x.next_down()), v: p.y.min(high.y.next_down()) }
+        let i = match self.cells.len() {
+            1 => 0,
+            n => self.cumulative.partition_point(|&c| c <= u).min(n - 1),
+        };
+        let (Cell { light, low, .. }, Scale { begin, width, height, last }) = (self.cells[i], self.scales[i]);
+        let (u, v) = (low.x + ((u - begin) * width).max(0.0), low.y + v * height);
+        LightPoint { light, u: least(u, last.x), v: least(v, last.y) }
     }
+}
+
+/// The smaller of two numbers; [`f64::min`] also has to look for NaN.
+#[inline]
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }

@@ -5,7 +5,7 @@ use super::auto::{self, Plan, Sampler, SomePaths, Summary};
 use super::bdpt::{Bidirectional, MOST_EDGES};
 use super::classes::Classes;
 use super::importance::{PixelImportance, Target};
-use super::independent::{AllPaths, ImageSampler, Independent, SampleCounts, SampleTally};
+use super::independent::{AllPaths, ImageSampler, Independent, SampleTally};
 use super::mutate::PathMutation;
 use super::path::{LightPath, View};
 use super::primary::{AllConnections, Multiplexed, Part, Techniques};
@@ -315,7 +315,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
 
     fn evenly<T: ImageSampler>(&self, sampler: &T, run: Run) -> Outcome {
         let Settings { per_pixel, seed, .. } = self.settings;
-        independent(&Independent { sampler, selection: AllPaths, counts: SampleCounts::Even(per_pixel), seed }, run)
+        independent(&Independent { sampler, selection: AllPaths, samples_per_pixel: per_pixel, seed }, run)
     }
 
     /// Renders as a plan says.
@@ -323,9 +323,11 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let (view, region, max_edges) = (self.view, &self.whole, plan.sampled_edges(self.max_edges()));
         match &plan.independent {
             None => self.chains(plan, run),
-            Some((Sampler::Path, counts)) => self.mixture(plan, &PathTracer { view, region, max_edges }, counts, run),
-            Some((Sampler::Bidirectional, counts)) => {
-                self.mixture(plan, &Bidirectional { view, region, max_edges }, counts, run)
+            &Some((Sampler::Path, samples)) => {
+                self.mixture(plan, &PathTracer { view, region, max_edges }, samples, run)
+            }
+            &Some((Sampler::Bidirectional, samples)) => {
+                self.mixture(plan, &Bidirectional { view, region, max_edges }, samples, run)
             }
         }
     }
@@ -338,16 +340,16 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     }
 
     /// Independent samples of what is not left to chains, and chains for the rest.
-    fn mixture<T: ImageSampler>(&self, plan: &Plan, sampler: &T, counts: &[u32], run: Run) -> Outcome {
-        let (seed, counts) = (self.settings.seed, SampleCounts::Each(counts.to_vec()));
+    fn mixture<T: ImageSampler>(&self, plan: &Plan, sampler: &T, samples_per_pixel: f64, run: Run) -> Outcome {
+        let seed = self.settings.seed;
         if plan.shares.is_empty() {
-            return independent(&Independent { sampler, selection: AllPaths, counts, seed }, run);
+            return independent(&Independent { sampler, selection: AllPaths, samples_per_pixel, seed }, run);
         }
         let strata = LightStratum::of_kinds(&plan.strata, &plan.chained, self.view, self.max_edges());
         let mixture = Mixture::new(PathMutation::all(self.view));
         let kinds = plan.sampled();
         let selection = SomePaths { lights: self.view.scene.lights(), strata: &plan.strata, kinds: &kinds };
-        let samples = Independent { sampler, selection, counts, seed };
+        let samples = Independent { sampler, selection, samples_per_pixel, seed };
         let estimator = Sum(samples, self.estimator(&strata, &plan.shares, &mixture));
         let counts = run.counts;
         let tally = Tally { strata: std::mem::take(&mut counts.strata) };

@@ -39,7 +39,8 @@ pub enum SceneError {
     TooLarge(usize),
 }
 
-/// A triangle with all that a hit needs, one cache line.
+/// A triangle with all that a hit needs.
+#[repr(align(64))]
 #[derive(Clone, Copy, Debug)]
 struct Primitive {
     vertices: [Vec3; 3],
@@ -49,7 +50,12 @@ struct Primitive {
     normals: u32,
     /// Bound on the error of a point interpolated from the vertices.
     error: f32,
+    /// As of [`Vertex`].
+    delta: bool,
+    emits: bool,
 }
+
+const _: () = assert!(size_of::<Primitive>() == 64);
 
 const FLAT: u32 = u32::MAX;
 
@@ -89,7 +95,7 @@ impl Scene {
             Space::around(meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
         let (mut primitives, mut normals) = (Vec::new(), Vec::new());
         for mesh in &meshes {
-            append(mesh, &space, &mut primitives, &mut normals);
+            append(mesh, &materials[mesh.material as usize], &space, &mut primitives, &mut normals);
         }
         let triangles: Vec<_> = primitives.iter().map(|p: &Primitive| p.vertices).collect();
         if triangles.is_empty() {
@@ -135,7 +141,7 @@ impl Scene {
     }
 
     /// The first surface along a direction from a vertex.
-    #[inline]
+    #[inline(always)]
     pub fn trace(&self, from: &Vertex, direction: Vec3) -> Option<Vertex> {
         RAYS.set(RAYS.get() + 1);
         let hit = self.accel.closest(&Ray::new(from.origin(direction), direction))?;
@@ -146,7 +152,7 @@ impl Scene {
     ///
     /// The ray starts where coordinates are finer: its end is rounded in proportion to its length, which would put it behind
     /// a small surface that is seen from a large one.
-    #[inline]
+    #[inline(always)]
     pub fn visible(&self, a: &Vertex, b: &Vertex) -> bool {
         RAYS.set(RAYS.get() + 1);
         let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
@@ -167,6 +173,12 @@ impl Scene {
     #[inline]
     pub(super) fn material(&self, vertex: &Vertex) -> &Material {
         &self.materials[vertex.material as usize]
+    }
+
+    /// Whether a light emits from both of its sides.
+    #[inline]
+    pub(super) fn emits_both_sides(&self, vertex: &Vertex) -> bool {
+        self.material(vertex).emits_both_sides
     }
 
     /// Radiance that a vertex emits into a direction.
@@ -202,7 +214,8 @@ impl Scene {
             primitive,
             material: p.material,
             error: p.error,
-            delta: self.materials[p.material as usize].bsdf.is_delta(),
+            delta: p.delta,
+            emits: p.emits,
         }
     }
 }
@@ -232,7 +245,13 @@ fn drop_unusable(mesh: &mut Mesh) -> usize {
     before - triangles.len()
 }
 
-fn append(mesh: &Mesh, space: &Space, primitives: &mut Vec<Primitive>, normals: &mut Vec<[Vec3; 3]>) {
+fn append(
+    mesh: &Mesh,
+    material: &Material,
+    space: &Space,
+    primitives: &mut Vec<Primitive>,
+    normals: &mut Vec<[Vec3; 3]>,
+) {
     let smooth = mesh.normals.len() == mesh.positions.len();
     for triangle in &mesh.triangles {
         let vertices = triangle.map(|i| space.point(mesh.positions[i as usize]));
@@ -247,6 +266,8 @@ fn append(mesh: &Mesh, space: &Space, primitives: &mut Vec<Primitive>, normals: 
             material: mesh.material,
             normals: if flat { FLAT } else { normals.len() as u32 },
             error: ERROR_FACTOR * largest,
+            delta: material.bsdf.is_delta(),
+            emits: material.emission.max_element() > 0.0,
         });
         if !flat {
             normals.push(corner_normals);

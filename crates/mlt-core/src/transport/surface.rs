@@ -7,12 +7,25 @@
 //! Source: [Veach97], section 5.3.
 
 use super::Rgb;
+use super::bsdf::{Bsdf, Evaluation};
 use super::math::cosine_hemisphere;
 use super::scene::Scene;
 use super::vertex::Vertex;
 use crate::engine::uniform_f32;
 use glam::{Vec2, Vec3};
 use rand_pcg::rand_core::Rng;
+use std::f32::consts::FRAC_1_PI;
+
+/// A direction drawn at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampled {
+    /// Unit vector.
+    pub to_light: Vec3,
+    /// f_s |ω·N_s| over the density, ω = to_light: dimensionless.
+    pub weight: Rgb,
+    /// Density per unit solid angle, sr⁻¹.
+    pub pdf: f32,
+}
 
 impl Scene {
     /// f_s(to_light → to_eye) |ω·N_s|/|ω·N_g|, sr⁻¹, with ω = to_light; `None` where it is zero.
@@ -24,18 +37,45 @@ impl Scene {
         (f != Rgb::ZERO).then(|| f * (shading / geometric))
     }
 
+    /// [`scatter`](Self::scatter) with the densities of either direction, given the other, sr⁻¹.
+    #[inline]
+    pub fn evaluate(&self, vertex: &Vertex, to_light: Vec3, to_eye: Vec3) -> Option<Evaluation> {
+        let (shading, geometric) = cosines(vertex, to_light)?;
+        cosines(vertex, to_eye)?;
+        let found = self.material(vertex).bsdf.evaluate(vertex.shading_normal, to_light, to_eye);
+        (found.value != Rgb::ZERO).then(|| Evaluation { value: found.value * (shading / geometric), ..found })
+    }
+
     /// Density per unit solid angle with which [`sample`](Self::sample) draws `sampled`, sr⁻¹.
     #[inline]
     pub fn pdf(&self, vertex: &Vertex, given: Vec3, sampled: Vec3) -> f32 {
         self.material(vertex).bsdf.pdf(vertex.shading_normal, given, sampled)
     }
 
-    /// Draws a direction from three random numbers; `None`: absorbed.
+    /// Draws a direction from three random numbers, or from two where no event is chosen; `None`: absorbed.
     #[inline]
     pub fn sample(&self, vertex: &Vertex, given: Vec3, rng: &mut impl Rng) -> Option<Vec3> {
-        let u = [uniform_f32(rng), uniform_f32(rng), uniform_f32(rng)];
-        let sampled = self.material(vertex).bsdf.sample(vertex.shading_normal, given, u)?;
+        let bsdf = &self.material(vertex).bsdf;
+        let (u, v) = (uniform_f32(rng), uniform_f32(rng));
+        let sampled = match bsdf {
+            Bsdf::Lambert(lambert) => lambert.sample(vertex.shading_normal, given, Vec2::new(u, v)),
+            _ => bsdf.sample(vertex.shading_normal, given, [u, v, uniform_f32(rng)])?,
+        };
         cosines(vertex, sampled).map(|_| sampled)
+    }
+
+    /// Draws a direction towards the light, and says what comes from there.
+    #[inline]
+    pub fn sample_to_light(&self, vertex: &Vertex, to_eye: Vec3, rng: &mut impl Rng) -> Option<Sampled> {
+        let to_light = self.sample(vertex, to_eye, rng)?;
+        if let Bsdf::Lambert(lambert) = &self.material(vertex).bsdf {
+            cosines(vertex, to_eye)?;
+            let pdf = vertex.shading_normal.dot(to_light).abs() * FRAC_1_PI;
+            return Some(Sampled { to_light, weight: lambert.reflectance, pdf });
+        }
+        let found = self.evaluate(vertex, to_light, to_eye)?;
+        let cos = vertex.geometric_normal.dot(to_light).abs();
+        Some(Sampled { to_light, weight: found.value * (cos / found.pdf_to_light), pdf: found.pdf_to_light })
     }
 
     /// The direction that a delta BSDF joins to `given` by reflection or by transmission.
@@ -54,10 +94,9 @@ impl Scene {
     /// Draws the direction that a light subpath starts into, with density cosθ/π, or half that on each of two sides.
     #[inline]
     pub(super) fn sample_emission(&self, vertex: &Vertex, rng: &mut impl Rng) -> Vec3 {
-        let u = [uniform_f32(rng), uniform_f32(rng), uniform_f32(rng)];
-        let back = self.material(vertex).emits_both_sides && u[2] < 0.5;
-        let n = if back { -vertex.geometric_normal } else { vertex.geometric_normal };
-        cosine_hemisphere(n, Vec2::new(u[0], u[1]))
+        let u = Vec2::new(uniform_f32(rng), uniform_f32(rng));
+        let back = self.material(vertex).emits_both_sides && uniform_f32(rng) < 0.5;
+        cosine_hemisphere(if back { -vertex.geometric_normal } else { vertex.geometric_normal }, u)
     }
 }
 

@@ -26,6 +26,8 @@ pub struct Vertex {
     pub error: f32,
     /// Whether it scatters into discrete directions only, so that nothing can be connected to it.
     pub delta: bool,
+    /// Whether it lies on a light.
+    pub emits: bool,
 }
 
 impl Vertex {
@@ -39,6 +41,7 @@ impl Vertex {
             material: 0,
             error: ERROR_FACTOR * position.abs().max_element(),
             delta: false,
+            emits: false,
         }
     }
 

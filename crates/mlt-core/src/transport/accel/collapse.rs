@@ -50,9 +50,7 @@ pub fn collapse(binary: &[BinaryNode], triangles: &[[Vec3; 3]]) -> WideTree {
     let mut folding = Folding { binary, triangles, plans: &plans, tree: WideTree::empty() };
     if let Some(root) = binary.first() {
         folding.tree.max_coordinate = root.min.abs().max(root.max.abs()).max_element();
-        let depth = folding.fold();
-        // Each level leaves at most seven siblings behind.
-        folding.tree.stack_size = depth * (WIDTH - 1) + 1;
+        folding.tree.depth = folding.fold();
     }
     folding.tree
 }
@@ -60,7 +58,7 @@ pub fn collapse(binary: &[BinaryNode], triangles: &[[Vec3; 3]]) -> WideTree {
 impl WideTree {
     /// A root without boxes.
     fn empty() -> Self {
-        Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), stack_size: 1, max_coordinate: 0.0 }
+        Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), depth: 1, max_coordinate: 0.0 }
     }
 }
 

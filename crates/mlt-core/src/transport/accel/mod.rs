@@ -68,12 +68,13 @@ impl Accel {
     ///
     /// The test rounds: from an origin on a triangle its t can come out as a tiny positive number instead of zero.
     /// None, too, for a ray with a zero or non-finite direction, or an origin that is not finite or beyond ±10¹⁸.
+    #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let candidate = traverse::closest(self.instructions, &self.tree, ray)?;
-        Some(watertight::refine(&self.tree.blocks[candidate.block as usize], ray, &candidate))
+        traverse::closest(self.instructions, &self.tree, ray)
     }
 
     /// Whether anything lies in 0 < t ≤ t_max; the same answer as `closest(ray).is_some()`, sooner.
+    #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         traverse::occluded(self.instructions, &self.tree, ray)
     }

@@ -19,7 +19,11 @@ pub trait Simd: Copy {
     type Floats: Copy;
     /// Eight truth values.
     type Mask: Copy;
+    /// Eight keys: see [`keys`](Self::keys).
+    type Keys: Copy;
 
+    /// The instruction set that this is.
+    fn set(self) -> InstructionSet;
     /// x in every lane.
     fn splat(self, x: f32) -> Self::Floats;
     /// From memory.
@@ -54,7 +58,18 @@ pub trait Simd: Copy {
     fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Lane i's truth in bit i.
     fn bits(self, mask: Self::Mask) -> u32;
+
+    /// Where the mask is true, the bits of a float ≥ 0 with the lane's number in the last three; elsewhere `u32::MAX`.
+    /// Keys order as the floats do, and no two are the same.
+    fn keys(self, a: Self::Floats, mask: Self::Mask) -> Self::Keys;
+    /// The smallest of them.
+    fn least(self, keys: Self::Keys) -> u32;
+    /// Without those equal to `key`: `u32::MAX` in their place.
+    fn without(self, keys: Self::Keys, key: u32) -> Self::Keys;
 }
+
+/// The bits of a [key](Simd::keys) that are its lane.
+pub const KEY_LANE: u32 = 7;
 
 /// Each x in every lane of its own register; `map` over an array would not be inlined.
 #[inline(always)]
@@ -80,7 +95,9 @@ fn where_true(f: impl Fn(usize) -> bool) -> u32 {
 impl Simd for Portable {
     type Floats = Lanes;
     type Mask = u32;
+    type Keys = [u32; 8];
 
+    fn set(self) -> InstructionSet { InstructionSet::Portable(self) }
     fn splat(self, x: f32) -> Lanes { Lanes([x; 8]) }
     fn load(self, lanes: &Lanes) -> Lanes { *lanes }
     fn store(self, a: Lanes) -> Lanes { a }
@@ -98,6 +115,11 @@ impl Simd for Portable {
     fn and(self, a: u32, b: u32) -> u32 { a & b }
     fn or(self, a: u32, b: u32) -> u32 { a | b }
     fn bits(self, mask: u32) -> u32 { mask }
+    fn keys(self, a: Lanes, mask: u32) -> [u32; 8] {
+        std::array::from_fn(|i| if mask >> i & 1 == 1 { a.0[i].to_bits() & !KEY_LANE | i as u32 } else { u32::MAX })
+    }
+    fn least(self, keys: [u32; 8]) -> u32 { keys.into_iter().fold(u32::MAX, u32::min) }
+    fn without(self, keys: [u32; 8], key: u32) -> [u32; 8] { keys.map(|k| if k == key { u32::MAX } else { k }) }
 }
 
 /// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
@@ -136,6 +158,11 @@ macro_rules! intrinsics {
 impl Simd for Avx2 {
     type Floats = __m256;
     type Mask = __m256;
+    type Keys = __m256i;
+
+    fn set(self) -> InstructionSet {
+        InstructionSet::Avx2(self)
+    }
 
     intrinsics! {
         splat(x: f32) -> __m256 = _mm256_set1_ps(x);
@@ -159,6 +186,18 @@ impl Simd for Avx2 {
         and(a: __m256, b: __m256) -> __m256 = _mm256_and_ps(a, b);
         or(a: __m256, b: __m256) -> __m256 = _mm256_or_ps(a, b);
         bits(mask: __m256) -> u32 = _mm256_movemask_ps(mask) as u32;
+        keys(a: __m256, mask: __m256) -> __m256i = {
+            let distance = _mm256_andnot_si256(_mm256_set1_epi32(KEY_LANE as i32), _mm256_castps_si256(a));
+            let key = _mm256_or_si256(distance, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+            _mm256_blendv_epi8(_mm256_set1_epi32(-1), key, _mm256_castps_si256(mask))
+        };
+        least(keys: __m256i) -> u32 = {
+            let four = _mm_min_epu32(_mm256_castsi256_si128(keys), _mm256_extracti128_si256::<1>(keys));
+            let two = _mm_min_epu32(four, _mm_shuffle_epi32::<0b0100_1110>(four));
+            _mm_cvtsi128_si32(_mm_min_epu32(two, _mm_shuffle_epi32::<0b1011_0001>(two))) as u32
+        };
+        without(keys: __m256i, key: u32) -> __m256i =
+            _mm256_or_si256(keys, _mm256_cmpeq_epi32(keys, _mm256_set1_epi32(key as i32)));
     }
 }
 
@@ -181,16 +220,4 @@ impl InstructionSet {
         }
         Self::Portable(Portable)
     }
-}
-
-/// Asks for the cache lines of `items[index]`; only a hint, so any index will do.
-#[inline(always)]
-pub fn prefetch<T>(items: &[T], index: usize) {
-    #[cfg(target_arch = "x86_64")]
-    for line in 0..size_of::<T>() / 64 {
-        // SAFETY: SSE is part of x86-64, and prefetching reads nothing that a program can see, at any address.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast::<i8>().wrapping_add(64 * line)) }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = (items, index);
 }

@@ -1,159 +1,201 @@
 //! Walking the 8-wide tree.
 //!
-//! One generic walk serves both queries and both instruction sets. The nearest-hit query goes into the nearest box
-//! first and keeps the others on a stack, sorted, with their distances, so that those beyond a hit are dropped unseen.
-//! The any-hit query sorts nothing and stops at the first hit.
+//! Both queries are one generic function each, for both instruction sets. At each level the nearest-hit query keeps a key
+//! for every box that the ray meets: its distance, with the lane in the last bits. The next box is the one with the least
+//! key, found without a branch; one that lies beyond a hit ends the level. The any-hit query takes boxes as they come and stops
+//! at the first hit.
 //!
 //! **No box is missed.** Let ε = 2⁻²⁴ and M the largest absolute coordinate of the scene and the ray's origin. The
 //! triangle test sees vertices displaced by at most 10 εM, and the box test's numerators are off by at most 4 εM, so every
-//! box is widened by 16 εM. The quotients have relative errors of at most 2 ε each; the far ones are multiplied by
+//! box is widened by 16 εM. The quotients have relative errors of at most 2 ε each; the least far one is multiplied by
 //! 1 + 8 ε. The widening is folded into the ray, once, and costs nothing a box.
 //!
 //! **What is unsafe** is to call code compiled for AVX2, and to leave the stack's array uninitialised (it is longer than
 //! most walks are). Indices are checked: measured, that costs less than one per cent.
 #![allow(unsafe_code)]
 
-use super::super::ray::Ray;
+use super::super::ray::{Hit, Ray};
 use super::binary::MAX_COORDINATE;
-use super::simd::{InstructionSet, Lanes, Portable, Simd, prefetch, splat3};
-use super::watertight::Shear;
-use super::wide::{Child, Node, WideTree};
-use glam::Vec3;
+use super::simd::{InstructionSet, KEY_LANE, Portable, Simd, splat3};
+use super::watertight::{Nearest, Shear};
+use super::wide::{Node, WideTree};
+use glam::Vec3A;
 use std::mem::MaybeUninit;
 
-/// A triangle that the ray hits, before refinement.
-#[derive(Clone, Copy, Debug)]
-pub struct Candidate {
-    /// Ray parameter to the precision of the test.
-    pub t: f32,
-    /// Index in the caller's array; `u32::MAX`: none yet.
-    pub primitive: u32,
-    /// Where the tree keeps it.
-    pub block: u32,
-    /// Its lane in that block.
-    pub lane: u32,
+/// A ray, ready for arithmetic on four lanes.
+#[derive(Clone, Copy)]
+struct Segment {
+    origin: Vec3A,
+    direction: Vec3A,
+    t_max: f32,
 }
 
-/// The nearest triangle.
-pub fn closest(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> Option<Candidate> {
-    let (ray, unit) = normalised(ray)?;
-    let hit = dispatch::<false>(instructions, tree, &ray)?;
-    Some(Candidate { t: (f64::from(hit.t) * unit) as f32, ..hit })
-}
-
-/// Whether any triangle is hit.
-pub fn occluded(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> bool {
-    normalised(ray).is_some_and(|(ray, _)| dispatch::<true>(instructions, tree, &ray).is_some())
-}
-
-/// The ray with a direction of moderate length, and its t in units of the given ray's; none if it can hit nothing.
-#[inline(always)]
-fn normalised(ray: &Ray) -> Option<(Ray, f64)> {
-    let length = ray.direction.abs().max_element();
-    let sound = ray.origin.abs().cmple(Vec3::splat(MAX_COORDINATE)).all() && ray.direction.is_finite();
-    if !(sound && length > 0.0 && ray.t_max > 0.0) {
-        return None;
+impl Segment {
+    /// Whether it is finite, not empty, and has a direction of moderate length.
+    #[inline(always)]
+    fn is_sound(&self) -> bool {
+        let (origin, direction) = (self.origin.abs(), self.direction.abs());
+        let finite = origin.cmple(Vec3A::splat(MAX_COORDINATE)) & direction.cmple(Vec3A::splat(1e6));
+        finite.all() && direction.cmpge(Vec3A::splat(1e-6)).any() && self.t_max > 0.0
     }
-    if (1e-6..=1e6).contains(&length) {
-        return Some((*ray, 1.0));
+
+    /// The same with a direction of moderate length, and its t in units of the given ray's; `None` if it can hit nothing.
+    fn scaled(&self) -> Option<(Self, f64)> {
+        let length = self.direction.abs().max_element();
+        let reachable = self.origin.abs().cmple(Vec3A::splat(MAX_COORDINATE)).all();
+        if !(reachable && self.direction.is_finite() && length > 0.0) {
+            return None;
+        }
+        // A power of two: the scaled ray is the same ray.
+        let unit = libm::exp2(-libm::floor(libm::log2(f64::from(length))));
+        let direction = (self.direction.as_dvec3() * unit).as_vec3a();
+        let t_max = (f64::from(self.t_max) / unit) as f32;
+        (t_max > 0.0).then_some((Self { direction, t_max, ..*self }, unit))
     }
-    // A power of two: the scaled ray is the same ray.
-    let unit = libm::exp2(-libm::floor(libm::log2(f64::from(length))));
-    let direction = (ray.direction.as_dvec3() * unit).as_vec3();
-    Some((Ray { direction, t_max: (f64::from(ray.t_max) / unit) as f32, ..*ray }, unit))
 }
 
-#[inline(always)]
-fn dispatch<const ANY: bool>(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> Option<Candidate> {
-    match instructions {
-        InstructionSet::Portable(simd) => walk_portable::<ANY>(simd, tree, ray),
+impl From<Segment> for Ray {
+    fn from(segment: Segment) -> Self {
+        Self { origin: segment.origin.into(), direction: segment.direction.into(), t_max: segment.t_max }
+    }
+}
+
+/// One query, compiled for an instruction set. Rays travel in seven registers: through memory, what is written one number at
+/// a time and read several at once has to be waited for.
+macro_rules! query {
+    ($query:ident -> $answer:ty, $walk:ident, $scaled:ident, $portable:ident, $avx2:ident) => {
+        #[inline(always)]
+        pub fn $query(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> $answer {
+            let Ray { origin: o, direction: d, t_max } = *ray;
+            match instructions {
+                InstructionSet::Portable(simd) => $portable(simd, tree, o.x, o.y, o.z, d.x, d.y, d.z, t_max),
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: a value of `Avx2` exists only where the processor has all the features that are enabled.
+                InstructionSet::Avx2(simd) => unsafe { $avx2(simd, tree, o.x, o.y, o.z, d.x, d.y, d.z, t_max) },
+            }
+        }
+
+        query!(fn $portable(Portable) -> $answer, $walk, $scaled, #[inline(never)]);
+
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: a value of `Avx2` exists only where the processor has all the features that the function enables.
-        InstructionSet::Avx2(simd) => unsafe { walk_avx2::<ANY>(simd, tree, ray) },
+        query!(
+            fn $avx2(super::simd::Avx2) -> $answer, $walk, $scaled,
+            #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+        );
+    };
+    (fn $name:ident($set:ty) -> $answer:ty, $walk:ident, $scaled:ident, $(#[$attribute:meta])*) => {
+        $(#[$attribute])*
+        #[allow(clippy::too_many_arguments)]
+        fn $name(
+            simd: $set, tree: &WideTree, ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, t_max: f32,
+        ) -> $answer {
+            let ray = Segment { origin: Vec3A::new(ox, oy, oz), direction: Vec3A::new(dx, dy, dz), t_max };
+            if ray.is_sound() { $walk(simd, tree, &ray) } else { $scaled(simd, tree, &ray) }
+        }
+    };
+}
+
+query!(closest -> Option<Hit>, nearest_hit, nearest_hit_scaled, closest_portable, closest_avx2);
+query!(occluded -> bool, any_hit, any_hit_scaled, occluded_portable, occluded_avx2);
+
+#[cold]
+fn nearest_hit_scaled<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> {
+    let (ray, unit) = ray.scaled()?;
+    let hit = closest(simd.set(), tree, &ray.into())?;
+    Some(Hit { t: (f64::from(hit.t) * unit) as f32, ..hit })
+}
+
+#[cold]
+fn any_hit_scaled<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
+    ray.scaled().is_some_and(|(ray, _)| occluded(simd.set(), tree, &ray.into()))
+}
+
+/// Boxes of a node that are still to be visited.
+#[derive(Clone, Copy)]
+struct Level<'a, K> {
+    /// Of the node's boxes.
+    keys: K,
+    node: &'a Node,
+    /// Boxes, a bit each.
+    left: u32,
+}
+
+impl<'a, K> Level<'a, K> {
+    /// The boxes of a node that the ray meets with 0 ≤ t ≤ t_max.
+    #[inline(always)]
+    fn enter<S: Simd<Keys = K>>(simd: S, boxes: &BoxTest<S>, node: &'a Node, t_max: f32) -> Self {
+        let (mask, distances) = boxes.test(simd, node, t_max);
+        Self { keys: simd.keys(distances, mask), left: simd.bits(mask), node }
     }
 }
 
-#[inline(never)]
-fn walk_portable<const ANY: bool>(simd: Portable, tree: &WideTree, ray: &Ray) -> Option<Candidate> {
-    walk::<_, ANY>(simd, tree, ray)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn walk_avx2<const ANY: bool>(simd: super::simd::Avx2, tree: &WideTree, ray: &Ray) -> Option<Candidate> {
-    walk::<_, ANY>(simd, tree, ray)
-}
-
-/// The nearest candidate, or with `ANY` the first that turns up.
 #[inline(always)]
-fn walk<S: Simd, const ANY: bool>(simd: S, tree: &WideTree, ray: &Ray) -> Option<Candidate> {
-    let mut local = LocalStack([MaybeUninit::uninit(); LOCAL_STACK]);
-    let mut heap;
-    let entries = if tree.stack_size <= LOCAL_STACK {
-        &mut local.0[..]
-    } else {
-        heap = vec![MaybeUninit::uninit(); tree.stack_size];
-        &mut heap[..]
-    };
-    walk_with::<S, ANY>(simd, tree, ray, Stack { entries, len: 0 })
-}
-
-#[inline(always)]
-fn walk_with<S: Simd, const ANY: bool>(simd: S, tree: &WideTree, ray: &Ray, mut stack: Stack) -> Option<Candidate> {
+fn nearest_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> {
     let boxes = BoxTest::new(simd, ray, tree.max_coordinate);
     let shear = Shear::new(simd, ray.origin, ray.direction);
-    let mut best = Candidate { t: ray.t_max, primitive: u32::MAX, block: 0, lane: 0 };
-    let mut current = Child::inner(0);
+    let mut nearest = Nearest::none(ray.t_max);
+    let mut stack = Stack::new(tree.depth);
+    let mut level = Level::enter(simd, &boxes, &tree.nodes[0], ray.t_max);
     loop {
-        if current.is_leaf() {
-            for index in current.blocks() {
+        let key = simd.least(level.keys);
+        if key & !KEY_LANE > nearest.t.to_bits() {
+            match stack.pop() {
+                Some(above) => level = above,
+                None => return nearest.hit(&tree.blocks, [ray.origin, ray.direction], ray.t_max),
+            }
+            continue;
+        }
+        let lane = key & KEY_LANE;
+        level.keys = simd.without(level.keys, key);
+        level.left &= !(1 << lane);
+        let child = level.node.children[lane as usize];
+        if child.is_leaf() {
+            for index in child.blocks() {
                 let block = &tree.blocks[index];
-                let (hits, t) = shear.test(simd, block, best.t);
-                if hits != 0 {
-                    best.update(hits, &simd.store(t), &block.primitives, index);
-                    if ANY {
-                        return Some(best);
-                    }
+                if let Some(test) = shear.test(simd, block, nearest.t) {
+                    nearest.update(simd, &test, &block.primitives, index);
                 }
             }
         } else {
-            let node = &tree.nodes[current.node()];
-            let (hits, distances) = boxes.test(simd, node, best.t);
-            if hits != 0 {
-                current = match ANY {
-                    true => stack.push_unsorted(hits, node),
-                    false => stack.push_sorted(hits, &simd.store(distances), node, tree),
-                };
-                continue;
+            if level.left != 0 {
+                stack.push(level);
             }
-        }
-        match stack.pop_until(best.t) {
-            Some(next) => current = next,
-            None => return (best.primitive != u32::MAX).then_some(best),
+            level = Level::enter(simd, &boxes, &tree.nodes[child.node()], nearest.t);
         }
     }
 }
 
-impl Candidate {
-    /// Takes over the nearest of the hit lanes; of equals, the one that came first in the caller's array.
-    #[inline(always)]
-    fn update(&mut self, mut hits: u32, t: &Lanes, primitives: &[u32; 8], block: usize) {
-        while hits != 0 {
-            let lane = next_lane(&mut hits);
-            let (t, primitive) = (t.0[lane], primitives[lane]);
-            if t < self.t || (t == self.t && primitive < self.primitive) {
-                *self = Self { t, primitive, block: block as u32, lane: lane as u32 };
-            }
-        }
-    }
-}
-
-/// Takes the lowest set bit.
 #[inline(always)]
-fn next_lane(bits: &mut u32) -> usize {
-    let lane = bits.trailing_zeros() as usize & 7;
-    *bits &= *bits - 1;
-    lane
+fn any_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
+    let boxes = BoxTest::new(simd, ray, tree.max_coordinate);
+    let shear = Shear::new(simd, ray.origin, ray.direction);
+    let mut stack = Stack::new(tree.depth);
+    let mut node = &tree.nodes[0];
+    let mut left = simd.bits(boxes.test(simd, node, ray.t_max).0);
+    loop {
+        if left == 0 {
+            match stack.pop() {
+                Some(above) => (node, left) = above,
+                None => return false,
+            }
+        }
+        let lane = left.trailing_zeros() as usize & 7;
+        left &= left - 1;
+        let child = node.children[lane];
+        if child.is_leaf() {
+            for block in &tree.blocks[child.blocks()] {
+                if shear.test(simd, block, ray.t_max).is_some() {
+                    return true;
+                }
+            }
+        } else {
+            if left != 0 {
+                stack.push((node, left));
+            }
+            node = &tree.nodes[child.node()];
+            left = simd.bits(boxes.test(simd, node, ray.t_max).0);
+        }
+    }
 }
 
 /// 16 ε of the module's comment, ε = 2⁻²⁴.
@@ -161,140 +203,89 @@ const WIDENING: f32 = 16.0 / 16_777_216.0;
 /// 1 + 8 ε.
 const FAR_FACTOR: f32 = 1.0 + 8.0 / 16_777_216.0;
 
+/// Least speed along an axis; the largest is at least 10¹² times as much.
+const SLOWEST: f32 = 1e-18;
+
 /// The ray, made ready for boxes: the plane at p is met at t = p · reciprocal − shift.
 struct BoxTest<S: Simd> {
     near_plane: [usize; 3],
-    near_reciprocal: [S::Floats; 3],
+    reciprocal: [S::Floats; 3],
     near_shift: [S::Floats; 3],
-    far_reciprocal: [S::Floats; 3],
     far_shift: [S::Floats; 3],
 }
 
 impl<S: Simd> BoxTest<S> {
     #[inline(always)]
-    fn new(simd: S, ray: &Ray, scene_coordinate: f32) -> Self {
-        let widening = Vec3::splat(WIDENING * scene_coordinate.max(ray.origin.abs().max_element()));
+    fn new(simd: S, ray: &Segment, scene_coordinate: f32) -> Self {
+        let Segment { origin, direction, .. } = *ray;
+        let widening = WIDENING * Vec3A::splat(origin.abs().max_element()).max(Vec3A::splat(scene_coordinate));
         // A slower component moves the ray by less than the widening before it has left the scene.
-        let least = Vec3::splat(1e-12 * ray.direction.abs().max_element());
-        let reciprocal =
-            1.0 / Vec3::select(ray.direction.abs().cmplt(least), least.copysign(ray.direction), ray.direction);
+        let least = Vec3A::splat(SLOWEST);
+        let reciprocal = 1.0 / Vec3A::select(direction.abs().cmplt(least), least.copysign(direction), direction);
         let widening = widening.copysign(reciprocal);
-        let backwards = |axis: usize| usize::from(reciprocal[axis] < 0.0);
+        let backwards = reciprocal.cmplt(Vec3A::ZERO).bitmask() as usize;
         Self {
-            near_plane: [backwards(0), 2 + backwards(1), 4 + backwards(2)],
-            near_reciprocal: splat3(simd, reciprocal.to_array()),
-            near_shift: splat3(simd, ((ray.origin + widening) * reciprocal).to_array()),
-            far_reciprocal: splat3(simd, (reciprocal * FAR_FACTOR).to_array()),
-            far_shift: splat3(simd, ((ray.origin - widening) * reciprocal * FAR_FACTOR).to_array()),
+            near_plane: [backwards & 1, 2 + (backwards >> 1 & 1), 4 + (backwards >> 2)],
+            reciprocal: splat3(simd, reciprocal.to_array()),
+            near_shift: splat3(simd, ((origin + widening) * reciprocal).to_array()),
+            far_shift: splat3(simd, ((origin - widening) * reciprocal).to_array()),
         }
     }
 
-    /// Which boxes the ray meets with 0 ≤ t ≤ t_max (a bit each), and where it enters them.
+    /// Which boxes the ray meets with 0 ≤ t ≤ t_max, and where it enters them.
     #[inline(always)]
-    fn test(&self, simd: S, node: &Node, t_max: f32) -> (u32, S::Floats) {
+    fn test(&self, simd: S, node: &Node, t_max: f32) -> (S::Mask, S::Floats) {
         let near = |axis: usize| {
             let plane = simd.load(&node.planes[self.near_plane[axis]]);
-            simd.mul_sub(plane, self.near_reciprocal[axis], self.near_shift[axis])
+            simd.mul_sub(plane, self.reciprocal[axis], self.near_shift[axis])
         };
         let far = |axis: usize| {
             let plane = simd.load(&node.planes[self.near_plane[axis] ^ 1]);
-            simd.mul_sub(plane, self.far_reciprocal[axis], self.far_shift[axis])
+            simd.mul_sub(plane, self.reciprocal[axis], self.far_shift[axis])
         };
         let enter = simd.max(simd.max(near(0), near(1)), simd.max(near(2), simd.splat(0.0)));
-        let leave = simd.min(simd.min(far(0), simd.min(far(1), far(2))), simd.splat(t_max));
-        (simd.bits(simd.le(enter, leave)), enter)
+        let leave = simd.mul(simd.min(far(0), simd.min(far(1), far(2))), simd.splat(FAR_FACTOR));
+        (simd.le(enter, simd.min(leave, simd.splat(t_max))), enter)
     }
 }
 
-/// Room for a tree 36 levels deep.
-const LOCAL_STACK: usize = 256;
+/// Levels of trees that need no memory from the heap.
+const LOCAL_LEVELS: usize = 32;
 
+/// Levels of the tree above the current one; whole cache lines of its own.
 #[repr(align(64))]
-struct LocalStack([MaybeUninit<u64>; LOCAL_STACK]);
-
-/// What is still to visit: distance in the upper half, child in the lower. Distances are not negative, so their bits
-/// order as they do.
-struct Stack<'a> {
-    /// The first `len` are initialised.
-    entries: &'a mut [MaybeUninit<u64>],
+struct Stack<T> {
+    /// The first `len` are initialised, as far as there are so many.
+    local: [MaybeUninit<T>; LOCAL_LEVELS],
+    /// Those beyond them.
+    heap: Vec<T>,
     len: usize,
 }
 
-impl Stack<'_> {
+impl<T: Copy> Stack<T> {
+    /// An empty stack for a tree of some depth.
     #[inline(always)]
-    fn push(&mut self, entry: u64) {
-        self.entries[self.len].write(entry);
+    fn new(depth: usize) -> Self {
+        let heap = if depth <= LOCAL_LEVELS { Vec::new() } else { Vec::with_capacity(depth) };
+        Self { local: [const { MaybeUninit::uninit() }; LOCAL_LEVELS], heap, len: 0 }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, entry: T) {
+        match self.local.get_mut(self.len) {
+            Some(slot) => _ = slot.write(entry),
+            None => self.heap.push(entry),
+        }
         self.len += 1;
     }
 
     #[inline(always)]
-    fn get(&self, index: usize) -> u64 {
-        debug_assert!(index < self.len);
-        // SAFETY: every caller asks below `len`, and `push` has written all of those.
-        unsafe { self.entries[index].assume_init() }
-    }
-
-    /// Takes the last entry that starts within `t_max`, dropping those that do not.
-    #[inline(always)]
-    fn pop_until(&mut self, t_max: f32) -> Option<Child> {
-        while self.len > 0 {
-            self.len -= 1;
-            // SAFETY: it lay below the old `len`.
-            let entry = unsafe { self.entries[self.len].assume_init() };
-            if f32::from_bits((entry >> 32) as u32) <= t_max {
-                return Some(Child(entry as u32));
-            }
-        }
-        None
-    }
-
-    /// Pushes all children hit but one, which it returns.
-    #[inline(always)]
-    fn push_unsorted(&mut self, mut hits: u32, node: &Node) -> Child {
-        loop {
-            let child = node.children[next_lane(&mut hits)];
-            if hits == 0 {
-                return child;
-            }
-            self.push(u64::from(child.0));
-        }
-    }
-
-    /// Pushes all children hit but the nearest, the farthest first, and returns the nearest.
-    #[inline(always)]
-    fn push_sorted(&mut self, mut hits: u32, distances: &Lanes, node: &Node, tree: &WideTree) -> Child {
-        let mut next = || {
-            let lane = next_lane(&mut hits);
-            let child = node.children[lane];
-            child.prefetch(tree);
-            (u64::from(distances.0[lane].to_bits()) << 32 | u64::from(child.0), hits == 0)
-        };
-        let (mut nearest, mut done) = next();
-        let base = self.len;
-        while !done {
-            let entry;
-            (entry, done) = next();
-            let farther = entry.max(nearest);
-            nearest = entry.min(nearest);
-            let mut slot = self.len;
-            self.push(farther);
-            while slot > base && self.get(slot - 1) < farther {
-                self.entries[slot] = self.entries[slot - 1];
-                slot -= 1;
-            }
-            self.entries[slot].write(farther);
-        }
-        Child(nearest as u32)
-    }
-}
-
-impl Child {
-    /// Brings what it refers to nearer to the processor.
-    #[inline(always)]
-    fn prefetch(self, tree: &WideTree) {
-        match self.is_leaf() {
-            true => prefetch(&tree.blocks, self.first_block()),
-            false => prefetch(&tree.nodes, self.node()),
+    fn pop(&mut self) -> Option<T> {
+        self.len = self.len.checked_sub(1)?;
+        match self.local.get(self.len) {
+            // SAFETY: it lay below the old `len`, and `push` has written all of those.
+            Some(slot) => Some(unsafe { slot.assume_init() }),
+            None => self.heap.pop(),
         }
     }
 }

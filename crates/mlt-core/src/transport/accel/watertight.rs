@@ -7,10 +7,9 @@
 //! zero counts as inside for both triangles, which replaces the paper's second test in double precision.
 
 use super::super::ray::{Hit, Ray};
-use super::simd::{Simd, splat3};
-use super::traverse::Candidate;
+use super::simd::{Lanes, Simd, splat3};
 use super::wide::TriangleBlock;
-use glam::{DVec2, Vec3};
+use glam::{DVec2, Vec3A};
 
 /// The map that takes the ray to the positive z axis: permute, move, shear.
 pub struct Shear<S: Simd> {
@@ -23,29 +22,63 @@ pub struct Shear<S: Simd> {
 
 /// The axes in cyclic order, the one along which the ray is fastest last.
 #[inline(always)]
-fn cyclic_axes(direction: Vec3) -> [usize; 3] {
+fn cyclic_axes(direction: Vec3A) -> [usize; 3] {
     let speed = direction.abs();
     let fastest = if speed.z >= speed.x.max(speed.y) { 2 } else { usize::from(speed.y > speed.x) };
-    [[1, 2, 0], [2, 0, 1], [0, 1, 2]][fastest]
+    // By arithmetic: a table would be looked up before it could be used.
+    let next = |axis: usize| (axis + 1) & usize::from(axis == 2).wrapping_sub(1);
+    [next(fastest), next(next(fastest)), fastest]
+}
+
+/// Which triangles of a block are hit, and where.
+pub struct Test<S: Simd> {
+    /// A bit each.
+    pub hits: u32,
+    /// Ray parameters.
+    t: S::Floats,
+    /// Areas on the ray's side of each edge: weights of the vertices times `determinant`.
+    v: S::Floats,
+    w: S::Floats,
+    determinant: S::Floats,
+    /// Squared distance from the ray to the farthest vertex, across the ray.
+    extent: S::Floats,
+}
+
+/// The nearest hit so far.
+#[derive(Clone, Copy)]
+pub struct Nearest {
+    /// Ray parameter to the precision of the test; of no hit: the ray's end.
+    pub t: f32,
+    /// Index in the caller's array; `u32::MAX`: none yet.
+    primitive: u32,
+    block: u32,
+    lane: u32,
+    v: f32,
+    w: f32,
+    determinant: f32,
+    extent: f32,
 }
 
 impl<S: Simd> Shear<S> {
     /// For a ray with a finite, non-zero direction.
     #[inline(always)]
-    pub fn new(simd: S, origin: Vec3, direction: Vec3) -> Self {
+    pub fn new(simd: S, origin: Vec3A, direction: Vec3A) -> Self {
         let axes @ [x, y, z] = cyclic_axes(direction);
+        let (origin, direction) = (in_memory(origin), in_memory(direction));
+        let along = direction[z & 3];
         Self {
-            axes,
-            origin: splat3(simd, [origin[x], origin[y], origin[z]]),
-            x: simd.splat(direction[x] / direction[z]),
-            y: simd.splat(direction[y] / direction[z]),
-            z: simd.splat(1.0 / direction[z]),
+            // The bound is for the compiler.
+            axes: axes.map(|axis| axis.min(2)),
+            origin: splat3(simd, [origin[x & 3], origin[y & 3], origin[z & 3]]),
+            x: simd.splat(direction[x & 3] / along),
+            y: simd.splat(direction[y & 3] / along),
+            z: simd.splat(1.0 / along),
         }
     }
 
-    /// Which triangles are hit with 0 < t ≤ t_max (a bit each), and at which t.
+    /// Which triangles are hit with 0 < t ≤ t_max.
     #[inline(always)]
-    pub fn test(&self, simd: S, block: &TriangleBlock, t_max: f32) -> (u32, S::Floats) {
+    pub fn test(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<Test<S>> {
         let zero = simd.splat(0.0);
         let [ax, ay, az] = self.vertex(simd, block, 0);
         let [bx, by, bz] = self.vertex(simd, block, 1);
@@ -56,14 +89,14 @@ impl<S: Simd> Shear<S> {
         let least = simd.min(simd.min(u, v), w);
         let greatest = simd.max(simd.max(u, v), w);
         let inside = simd.or(simd.le(zero, least), simd.le(greatest, zero));
-        if simd.bits(inside) == 0 {
-            return (0, zero);
-        }
         let determinant = simd.add(simd.add(u, v), w);
         let z = simd.mul_add(u, az, simd.mul_add(v, bz, simd.mul(w, cz)));
         let t = simd.div(simd.mul(self.z, z), determinant);
         let in_range = simd.and(simd.lt(zero, t), simd.le(t, simd.splat(t_max)));
-        (simd.bits(simd.and(inside, in_range)), t)
+        let hits = simd.bits(simd.and(inside, in_range));
+        let square = |x, y| simd.mul_add(x, x, simd.mul(y, y));
+        let extent = simd.max(simd.max(square(ax, ay), square(bx, by)), square(cx, cy));
+        (hits != 0).then_some(Test { hits, t, v, w, determinant, extent })
     }
 
     /// One vertex of each triangle where the ray is the z axis; z itself is not yet scaled to t.
@@ -75,14 +108,74 @@ impl<S: Simd> Shear<S> {
     }
 }
 
+/// To be indexed.
+#[inline(always)]
+fn in_memory(v: Vec3A) -> [f32; 4] {
+    v.extend(0.0).to_array()
+}
+
+/// How many times longer than wide a triangle may look from the ray before its weights are computed in f64.
+const SLENDER: f32 = 32.0;
+
+impl Nearest {
+    /// No hit on a ray that ends at `t_max`.
+    #[inline(always)]
+    pub fn none(t_max: f32) -> Self {
+        Self { t: t_max, primitive: u32::MAX, block: 0, lane: 0, v: 0.0, w: 0.0, determinant: 0.0, extent: 0.0 }
+    }
+
+    /// Takes over the nearest of the hit lanes; of equals, the one that came first in the caller's array.
+    #[inline(always)]
+    pub fn update<S: Simd>(&mut self, simd: S, test: &Test<S>, primitives: &[u32; 8], block: usize) {
+        let (Lanes(t), Lanes(v), Lanes(w)) = (simd.store(test.t), simd.store(test.v), simd.store(test.w));
+        let (Lanes(determinant), Lanes(extent)) = (simd.store(test.determinant), simd.store(test.extent));
+        let mut hits = test.hits;
+        while hits != 0 {
+            let lane = hits.trailing_zeros() as usize & 7;
+            hits &= hits - 1;
+            let primitive = primitives[lane];
+            if t[lane] < self.t || (t[lane] == self.t && primitive < self.primitive) {
+                *self = Self {
+                    t: t[lane],
+                    primitive,
+                    block: block as u32,
+                    lane: lane as u32,
+                    v: v[lane],
+                    w: w[lane],
+                    determinant: determinant[lane],
+                    extent: extent[lane],
+                };
+            }
+        }
+    }
+
+    /// The hit, if there is one, of the ray that ends at `t_max`.
+    ///
+    /// Weights to the precision of the test are off by 10⁻⁷ times the triangle's length over its width, seen along the
+    /// ray; where that is much they are computed again.
+    #[inline(always)]
+    pub fn hit(&self, blocks: &[TriangleBlock], [origin, direction]: [Vec3A; 2], t_max: f32) -> Option<Hit> {
+        if self.primitive == u32::MAX {
+            return None;
+        }
+        if SLENDER * self.determinant.abs() < self.extent {
+            let ray = Ray { origin: origin.into(), direction: direction.into(), t_max };
+            return Some(refine(&blocks[self.block as usize], &ray, self));
+        }
+        let scale = 1.0 / self.determinant;
+        let u = (self.v * scale).min(1.0);
+        Some(Hit { primitive: self.primitive, t: self.t, u, v: (self.w * scale).min(1.0 - u) })
+    }
+}
+
 /// The hit of the triangle that won, to double precision.
 ///
 /// The test's own t is off by 10⁻⁵ on slivers. The areas are computed again in f64; where they say that the ray passes
 /// outside, by less than the error of f32, the nearest point of the triangle's outline stands in. Then t is that of the
 /// point with these weights: t, u and v agree even where the ray grazes the triangle.
-#[inline]
-pub fn refine(block: &TriangleBlock, ray: &Ray, candidate: &Candidate) -> Hit {
-    let [x, y, z] = cyclic_axes(ray.direction);
+#[cold]
+fn refine(block: &TriangleBlock, ray: &Ray, candidate: &Nearest) -> Hit {
+    let [x, y, z] = cyclic_axes(ray.direction.into());
     let reciprocal = 1.0 / f64::from(ray.direction[z]);
     let shear = DVec2::new(ray.direction[x].into(), ray.direction[y].into()) * reciprocal;
     let (mut corners, mut depths) = ([DVec2::ZERO; 3], [0.0; 3]);

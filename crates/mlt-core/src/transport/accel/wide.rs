@@ -111,8 +111,8 @@ pub struct WideTree {
     pub nodes: Vec<Node>,
     /// The leaves' triangles.
     pub blocks: Vec<TriangleBlock>,
-    /// Entries that a depth-first walk needs room for.
-    pub stack_size: usize,
+    /// Levels of nodes.
+    pub depth: usize,
     /// Largest absolute coordinate of any box, for the error bound of the box test.
     pub max_coordinate: f32,
 }

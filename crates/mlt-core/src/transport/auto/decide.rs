@@ -2,10 +2,11 @@
 
 /// What is known of one part of path space, in a unit of error × work: how much error, squared and over work, an estimator
 /// leaves that does nothing else.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Costs<const M: usize> {
-    /// Of each independent method: error of one sample a pixel. All parts share its samples.
-    pub(super) independent: [f64; M],
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Costs {
+    /// Of each independent method: error of one sample a pixel; infinite if it does not sample this part. All parts share
+    /// its samples.
+    pub(super) independent: Vec<f64>,
     /// Of chains: error × work.
     pub(super) chains: f64,
 }
@@ -36,7 +37,7 @@ const MIXTURE_GAIN: f64 = 0.8;
 /// error × work = (√(work[m] Σ_E A_i) + Σ_{i ∉ E} √B_i)².
 ///
 /// It is concave in the two sums, so the best E is a run of the parts sorted by A_i / √B_i.
-pub(super) fn decide<const M: usize>(work: [f64; M], parts: &[Costs<M>]) -> Decision {
+pub(super) fn decide(work: &[f64], parts: &[Costs]) -> Decision {
     let chains = |i: usize| parts[i].chains.sqrt();
     let all: f64 = (0..parts.len()).map(chains).sum();
     let alone =
@@ -71,26 +72,32 @@ pub(super) fn decide<const M: usize>(work: [f64; M], parts: &[Costs<M>]) -> Deci
 mod tests {
     use super::*;
 
-    fn part(first: f64, second: f64, chains: f64) -> Costs<2> {
-        Costs { independent: [first, second], chains }
+    fn part(first: f64, second: f64, chains: f64) -> Costs {
+        Costs { independent: vec![first, second], chains }
     }
 
     #[test]
     fn a_single_method_that_is_best_everywhere_is_taken_alone() {
-        let easy = decide([2.0, 8.0], &[part(1.0, 0.5, 30.0), part(2.0, 1.0, 50.0)]);
+        let easy = decide(&[2.0, 8.0], &[part(1.0, 0.5, 30.0), part(2.0, 1.0, 50.0)]);
         assert_eq!((easy.independent, easy.in_chains, easy.chain_share), (Some(0), vec![false; 2], 0.0));
         assert_eq!(easy.product, 2.0 * 3.0);
-        let second = decide([2.0, 8.0], &[part(100.0, 0.5, 30.0), part(2.0, 1.0, 50.0)]);
+        let second = decide(&[2.0, 8.0], &[part(100.0, 0.5, 30.0), part(2.0, 1.0, 50.0)]);
         assert_eq!((second.independent, second.product), (Some(1), 12.0));
-        let hard = decide([2.0, 8.0], &[part(1e3, 1e3, 3.0), part(1e4, 1e6, 5.0)]);
+        let hard = decide(&[2.0, 8.0], &[part(1e3, 1e3, 3.0), part(1e4, 1e6, 5.0)]);
         assert_eq!((hard.independent, hard.in_chains, hard.chain_share), (None, vec![true; 2], 1.0));
     }
 
     #[test]
     fn a_part_that_is_hard_to_sample_is_left_to_chains() {
-        let mixed = decide([1.0, 4.0], &[part(1.0, 1.0, 400.0), part(1e5, 1e4, 9.0), part(0.0, 0.0, 0.0)]);
+        let mixed = decide(&[1.0, 4.0], &[part(1.0, 1.0, 400.0), part(1e5, 1e4, 9.0), part(0.0, 0.0, 0.0)]);
         assert_eq!((mixed.independent, mixed.in_chains), (Some(0), vec![false, true, false]));
         assert!((mixed.product - 16.0).abs() < 1e-12 && (mixed.chain_share - 0.75).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_method_that_does_not_sample_a_part_is_taken_for_others() {
+        let short = decide(&[1.0, 4.0], &[part(1.0, 1.0, 400.0), part(f64::INFINITY, 9.0, 9.0)]);
+        assert_eq!((short.independent, short.in_chains, short.product), (Some(0), vec![false, true], 16.0));
     }
 
     #[test]
@@ -110,7 +117,7 @@ mod tests {
             let best = (0..64).flat_map(|set| [product(0, set), product(1, set)]).fold(f64::INFINITY, f64::min);
             let single = product(0, 63).min(product(1, 63)).min(product(0, 0));
             let expected = if best < MIXTURE_GAIN * single { best } else { single };
-            assert!((decide(work, &parts).product / expected - 1.0).abs() < 1e-9);
+            assert!((decide(&work, &parts).product / expected - 1.0).abs() < 1e-9);
         }
     }
 }

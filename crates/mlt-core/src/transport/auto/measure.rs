@@ -1,11 +1,11 @@
 //! What independent samples of a small image tell about each part of path space.
 
 use super::parts::Parts;
-use crate::engine::{PILOT, Purpose, generator, uniform_f32};
-use crate::transport::independent::ImageSampler;
+use crate::engine::{PILOT, Purpose, generator};
+use crate::transport::independent::{ImageSampler, point_in_pixel};
 use crate::transport::low_discrepancy::OwenSobol;
 use crate::transport::scene::rays_traced;
-use glam::{DVec3, Vec2};
+use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
 
@@ -26,9 +26,19 @@ pub(super) struct Measured {
     pub(super) work: f64,
 }
 
+/// One pixel's parts.
+struct Pixel {
+    /// Σ x and Σ x² over the sequences, part after part; x is a sequence's mean.
+    sums: Vec<[f64; 2]>,
+    /// What crossed the image at other pixels.
+    splats: Vec<Splat>,
+    rays: u64,
+}
+
 /// What crosses the image at another pixel than the one sampled.
 struct Splat {
-    at: usize,
+    /// The pixel, and the part.
+    at: (u32, usize),
     value: f64,
 }
 
@@ -36,56 +46,22 @@ impl Measured {
     /// Takes some sequences of `samples` samples in every pixel: as many as a round is to take, since the noise of
     /// well-stratified samples does not fall like that of others.
     pub(super) fn new<T: ImageSampler>(sampler: &T, parts: &Parts, samples: u64, seed: u64) -> Self {
-        let [w, h] = sampler.size();
-        let (pixels, n) = ((w * h) as usize, parts.len());
+        let [w, h] = sampler.size().map(u64::from);
         let sequences = if samples < LONG { 4 } else { 2 };
-        let row = |y: u32| {
-            let before = rays_traced();
-            let mut splats = Vec::new();
-            let mut sums = vec![[0.0; 2]; w as usize * n];
-            for x in 0..w {
-                for sequence in 0..sequences {
-                    let key = generator(seed, Purpose::Image, PILOT + sequence, 0, u64::from(y * w + x)).next_u64();
-                    let mut here = vec![0.0; n];
-                    for index in 0..samples {
-                        let rng = &mut OwenSobol::new(key, index);
-                        let inside = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-                        let image = (Vec2::new(x as f32, y as f32) + inside) / Vec2::new(w as f32, h as f32);
-                        sampler.sample(
-                            image.min(Vec2::splat(1.0 - f32::EPSILON)),
-                            rng,
-                            &mut |elsewhere, v: DVec3, end| {
-                                let (part, value) = (parts.index(&end), v.element_sum());
-                                match elsewhere {
-                                    None => here[part] += value / samples as f64,
-                                    Some(pixel) => splats.push(Splat { at: pixel as usize * n + part, value }),
-                                }
-                            },
-                        );
-                    }
-                    for (sum, x) in sums[x as usize * n..].iter_mut().zip(here) {
-                        *sum = [sum[0] + x, sum[1] + x * x];
-                    }
-                }
-            }
-            (sums, splats, rays_traced() - before)
-        };
-        let rows: Vec<_> = (0..h).into_par_iter().map(row).collect();
-        let taken = (samples * sequences) as f64;
-        let mut measured = Self { parts: n, mean: Vec::new(), variance: Vec::new(), samples: taken, work: 0.0 };
-        for (sums, _, rays) in &rows {
-            let count = sequences as f64;
-            measured.mean.extend(sums.iter().map(|s| s[0] / count));
-            let variance = |s: &[f64; 2]| (s[1] - s[0] * s[0] / count).max(0.0) / (count - 1.0) * samples as f64;
-            measured.variance.extend(sums.iter().map(variance));
-            measured.work += *rays as f64 / (taken * pixels as f64);
-        }
+        let of_pixel = |pixel| Pixel::new(sampler, parts, pixel, [sequences, samples], seed);
+        let pixels: Vec<_> = (0..w * h).into_par_iter().map(of_pixel).collect();
+        let (n, taken) = (sequences as f64, (samples * sequences) as f64);
+        let variance = |s: &[f64; 2]| (s[1] - s[0] * s[0] / n).max(0.0) / (n - 1.0) * samples as f64;
+        let sums = || pixels.iter().flat_map(|pixel| &pixel.sums);
+        let (mut mean, mut variance): (Vec<_>, Vec<_>) = sums().map(|s| (s[0] / n, variance(s))).unzip();
         // A splat is one of many light subpaths' and hits its pixel rarely: Var ≈ E[v²].
-        for Splat { at, value } in rows.iter().flat_map(|row| &row.1) {
-            measured.mean[*at] += value / taken;
-            measured.variance[*at] += value * value / taken;
+        for Splat { at: (pixel, part), value } in pixels.iter().flat_map(|pixel| &pixel.splats) {
+            let at = *pixel as usize * parts.len() + part;
+            mean[at] += value / taken;
+            variance[at] += value * value / taken;
         }
-        measured
+        let work = pixels.iter().map(|pixel| pixel.rays).sum::<u64>() as f64 / (taken * pixels.len() as f64);
+        Self { parts: parts.len(), mean, variance, samples: taken, work }
     }
 
     /// The image, sums over channels.
@@ -96,8 +72,8 @@ impl Measured {
     /// Mean over pixels of a part's image, and its standard error.
     pub(super) fn energy(&self, part: usize) -> [f64; 2] {
         let pixels = (self.mean.len() / self.parts) as f64;
-        let sum = |values: &[f64]| values.iter().skip(part).step_by(self.parts).sum::<f64>() / pixels;
-        [sum(&self.mean), (sum(&self.variance) / (pixels * self.samples)).sqrt()]
+        let mean = |values: &[f64]| values.iter().skip(part).step_by(self.parts).sum::<f64>() / pixels;
+        [mean(&self.mean), (mean(&self.variance) / (pixels * self.samples)).sqrt()]
     }
 
     /// Error of one sample a pixel in a part: mean over pixels of weight × variance.
@@ -105,10 +81,41 @@ impl Measured {
         let of_part = self.variance.iter().skip(part).step_by(self.parts);
         of_part.zip(weights).map(|(v, w)| v * w).sum::<f64>() / weights.len() as f64
     }
+}
 
-    /// Error of one sample of each pixel in some of the parts: weight × variance.
-    pub(super) fn errors(&self, parts: &[bool], weights: &[f64]) -> Vec<f64> {
-        let of_pixel = |v: &[f64]| v.iter().zip(parts).filter(|(_, taken)| **taken).map(|(v, _)| v).sum::<f64>();
-        self.variance.chunks(self.parts).zip(weights).map(|(v, w)| w * of_pixel(v)).collect()
+impl Pixel {
+    fn new<T: ImageSampler>(sampler: &T, parts: &Parts, pixel: u64, [sequences, samples]: [u64; 2], seed: u64) -> Self {
+        let before = rays_traced();
+        let (mut sums, mut splats) = (vec![[0.0; 2]; parts.len()], Vec::new());
+        for sequence in 0..sequences {
+            let key = generator(seed, Purpose::Image, PILOT + sequence, 0, pixel).next_u64();
+            let mut here = vec![0.0; parts.len()];
+            for index in 0..samples {
+                let rng = &mut OwenSobol::new(key, index);
+                let image = point_in_pixel(pixel, sampler.size(), rng);
+                sampler.sample(image, rng, &mut |elsewhere, value: DVec3, end| {
+                    let (part, value) = (parts.index(&end), value.element_sum());
+                    match elsewhere {
+                        None => here[part] += value / samples as f64,
+                        Some(pixel) => splats.push(Splat { at: (pixel, part), value }),
+                    }
+                });
+            }
+            sums.iter_mut().zip(here).for_each(|(sum, x)| *sum = [sum[0] + x, sum[1] + x * x]);
+        }
+        Self { sums, splats, rays: rays_traced() - before }
     }
+}
+
+/// Rays of a sample, from one in every pixel.
+pub(super) fn work_of<T: ImageSampler>(sampler: &T, seed: u64) -> f64 {
+    let pixels = sampler.size().map(u64::from).iter().product();
+    let of_pixel = |pixel| {
+        let before = rays_traced();
+        let rng = &mut generator(seed, Purpose::Image, PILOT, 0, pixel);
+        let image = point_in_pixel(pixel, sampler.size(), rng);
+        sampler.sample(image, rng, &mut |_, _, _| {});
+        rays_traced() - before
+    };
+    (0..pixels).into_par_iter().map(of_pixel).sum::<u64>() as f64 / pixels as f64
 }

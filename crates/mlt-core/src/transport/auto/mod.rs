@@ -8,7 +8,6 @@
 mod decide;
 mod measure;
 mod parts;
-mod spread;
 
 use super::adapt::weights_of_smooth;
 use super::bdpt::Bidirectional;
@@ -25,8 +24,8 @@ use super::strata::{LightStrata, Stratification};
 use super::stratum::LightStratum;
 use crate::engine::{Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Share, Tally, allocate};
 use decide::{Costs, Decision, decide};
-use measure::Measured;
-use parts::Parts;
+use measure::{Measured, work_of};
+use parts::{LENGTHS, Parts};
 
 pub use parts::SomePaths;
 
@@ -39,10 +38,8 @@ pub enum Sampler {
     Bidirectional,
 }
 
-const SAMPLERS: [Sampler; 2] = [Sampler::Path, Sampler::Bidirectional];
-
 /// Time of a ray in each method, with all that comes with it, over that in path tracing.
-const TIME_OF_A_RAY: [f64; 2] = [1.0, 1.15];
+const TIME_OF_A_BIDIRECTIONAL_RAY: f64 = 1.15;
 const TIME_OF_A_CHAINS_RAY: f64 = 1.05;
 
 /// How a render is made.
@@ -51,7 +48,7 @@ pub struct Plan {
     /// The lights' parts.
     pub(super) strata: LightStrata,
     /// The independent method and its samples of each pixel in a round.
-    pub(super) independent: Option<(Sampler, Vec<u32>)>,
+    pub(super) independent: Option<(Sampler, f64)>,
     /// The kinds of paths in each of the lights' parts that are left to chains.
     pub(super) chained: Vec<Kinds>,
     /// Chains of a round, one share for each part with any such kinds.
@@ -132,6 +129,14 @@ pub(super) struct Pilot<'a, I> {
     pub(super) per_pixel: f64,
 }
 
+/// An independent method that samples paths up to some length.
+struct Candidate {
+    sampler: Sampler,
+    max_edges: usize,
+    /// Time of a sample of these paths alone, in rays of path tracing.
+    work: f64,
+}
+
 impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
     /// Measures and decides.
     pub(super) fn run(&self) -> (Plan, PilotCounts) {
@@ -142,22 +147,21 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let camera = self.view.camera.with_size(self.size());
         let view = View { camera: &camera, ..self.view };
         let measured = self.independent(view, &parts);
+        let candidates = self.candidates(view);
         let weights = weights(&measured, camera.size());
         let (chains, tally) = self.chains(view, &parts, &weights);
-        let costs: Vec<_> = (0..parts.len()).map(|i| costs(i, &measured, &chains, &weights, camera.pixels())).collect();
-        let work = [0, 1].map(|m| measured[m].work * TIME_OF_A_RAY[m]);
-        let decision = decide(work, &costs);
-        let budget = self.per_pixel * f64::from(self.view.camera.pixels()) * measured[0].work;
-        let independent = decision.independent.map(|m| {
-            let taken: Vec<_> = decision.in_chains.iter().map(|chained| !chained).collect();
-            let samples = budget * (1.0 - decision.chain_share) / work[m];
-            let errors = measured[m].errors(&taken, &weights);
-            (SAMPLERS[m], spread::counts(&errors, camera.size(), self.view.camera.size(), samples))
-        });
-        let (chained, shares) = share_out(&parts, &decision, &chains, budget * decision.chain_share);
-        let samples = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
-        let spent = PilotCounts { mutations: tally.total().steps(), rays: tally.work() + samples as u64 };
-        let summary = summary(&parts, &decision, &costs, work);
+        let costs: Vec<_> =
+            (0..parts.len()).map(|i| costs(i, &parts, &candidates, &measured, &chains, &weights)).collect();
+        let work: Vec<_> = candidates.iter().map(|candidate| candidate.work).collect();
+        let decision = decide(&work, &costs);
+        let budget = self.per_pixel * measured[0].work;
+        let samples = decision.independent.map_or(0.0, |m| good_number(budget, &decision, work[m]));
+        let rest = budget - decision.independent.map_or(0.0, |m| samples * work[m]);
+        let (chained, shares) = share_out(&parts, &decision, &chains, rest * f64::from(self.view.camera.pixels()));
+        let independent = decision.independent.map(|m| (candidates[m].sampler, samples));
+        let sampled = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
+        let spent = PilotCounts { mutations: tally.total().steps(), rays: tally.work() + sampled as u64 };
+        let summary = summary(&parts, &decision, &costs, &candidates);
         (Plan { independent, chained, shares, summary, strata }, spent)
     }
 
@@ -190,6 +194,27 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         ]
     }
 
+    /// Both methods, for paths of all lengths and for shorter ones.
+    fn candidates(&self, view: View) -> Vec<Candidate> {
+        let region = &LightRegion::whole(view.scene.lights());
+        let lengths = LENGTHS.iter().map(|[_, most]| *most);
+        let mut lengths: Vec<_> = lengths.filter(|&most| most < self.max_edges).collect();
+        lengths.push(self.max_edges);
+        let of = |max_edges| {
+            let path = work_of(&PathTracer { view, region, max_edges }, self.seed);
+            let bidirectional = work_of(&Bidirectional { view, region, max_edges }, self.seed);
+            [
+                Candidate { sampler: Sampler::Path, max_edges, work: path },
+                Candidate {
+                    sampler: Sampler::Bidirectional,
+                    max_edges,
+                    work: bidirectional * TIME_OF_A_BIDIRECTIONAL_RAY,
+                },
+            ]
+        };
+        lengths.into_iter().flat_map(of).collect()
+    }
+
     /// What chains find in each part.
     fn chains(&self, view: View, parts: &Parts, weights: &[f64]) -> (Vec<Measure>, Tally) {
         let strata: Vec<_> = (0..parts.strata.regions().len())
@@ -218,18 +243,30 @@ fn weights(measured: &[Measured; 2], size: [u32; 2]) -> Vec<f64> {
 }
 
 /// What one part costs each estimator.
-fn costs(part: usize, measured: &[Measured; 2], chains: &[Measure], weights: &[f64], pixels: u32) -> Costs<2> {
-    let weight = weights.iter().sum::<f64>() / weights.len() as f64;
-    let found = [0, 1].map(|m| measured[m].energy(part));
+fn costs(
+    part: usize,
+    parts: &Parts,
+    candidates: &[Candidate],
+    measured: &[Measured; 2],
+    chains: &[Measure],
+    weights: &[f64],
+) -> Costs {
+    let (pixels, weight) = (weights.len() as f64, weights.iter().sum::<f64>() / weights.len() as f64);
+    let found = measured.each_ref().map(|m| m.energy(part));
     let certain = found.iter().map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
-    // What a method's N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
-    let missed = |m: usize| {
-        weight * (0.5 * certain - found[m][0]).max(0.0).powi(2) * measured[m].samples * f64::from(pixels) / 3.0
+    let error = |sampler: Sampler| {
+        let (m, [energy, _]) = (&measured[sampler as usize], found[sampler as usize]);
+        // What N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
+        let missed = weight * (0.5 * certain - energy).max(0.0).powi(2) * m.samples * pixels / 3.0;
+        m.error(part, weights).max(missed)
     };
-    let independent = [0, 1].map(|m| measured[m].error(part, weights).max(missed(m)));
+    let longest = parts.group(part).most_edges(usize::MAX);
+    let most = candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
+    let sampled = |c: &Candidate| if longest.min(most) <= c.max_edges { error(c.sampler) } else { f64::INFINITY };
+    let independent = candidates.iter().map(sampled).collect();
     let chains = &chains[part];
     // Σ over pixels with a total of n mutations → mean over pixels with n mutations a pixel.
-    let scale = f64::from(pixels).powi(-2) * TIME_OF_A_CHAINS_RAY;
+    let scale = pixels.powi(-2) * TIME_OF_A_CHAINS_RAY;
     let side = |error: f64, work: f64| (error * work * scale).sqrt();
     let chains = match chains.chain_error {
         Some(error) => side(error, chains.mutation_cost) + side(chains.sample_error, chains.sample_cost),
@@ -267,18 +304,36 @@ fn share_out(parts: &Parts, decision: &Decision, measures: &[Measure], work: f64
     (chained, shares)
 }
 
-fn summary(parts: &Parts, decision: &Decision, costs: &[Costs<2>], work: [f64; 2]) -> Summary {
+/// Samples of each pixel in a round of so much work a pixel: about the independent method's share, but if it leaves some to
+/// chains, the first 2^k points of a sequence, which are much better spread than any other number of them.
+fn good_number(budget: f64, decision: &Decision, work: f64) -> f64 {
+    let ideal = (budget * (1.0 - decision.chain_share) / work).max(1.0);
+    if decision.chain_share == 0.0 {
+        return ideal;
+    }
+    let lower = libm::exp2(libm::floor(libm::log2(ideal)));
+    // Chains keep half of their share at least.
+    let room = 2.0 * lower * work <= budget * (1.0 - 0.5 * decision.chain_share);
+    if ideal > std::f64::consts::SQRT_2 * lower && room { 2.0 * lower } else { lower }
+}
+
+fn summary(parts: &Parts, decision: &Decision, costs: &[Costs], candidates: &[Candidate]) -> Summary {
     let groups = parts.groups.len();
-    let part = |(i, costs): (usize, &Costs<2>)| PartSummary {
+    // The last two candidates sample paths of all lengths.
+    let noise = |costs: &Costs, sampler: Sampler| {
+        let m = candidates.len() - 2 + sampler as usize;
+        costs.independent[m] * candidates[m].work
+    };
+    let part = |(i, costs): (usize, &Costs)| PartSummary {
         light: i / groups,
-        kinds: parts.groups[i % groups],
-        path: costs.independent[0] * work[0],
-        bidirectional: costs.independent[1] * work[1],
+        kinds: parts.group(i),
+        path: noise(costs, Sampler::Path),
+        bidirectional: noise(costs, Sampler::Bidirectional),
         chains: costs.chains,
         in_chains: decision.in_chains[i],
     };
     Summary {
-        sampler: decision.independent.map(|m| SAMPLERS[m]),
+        sampler: decision.independent.map(|m| candidates[m].sampler),
         chain_share: decision.chain_share,
         parts: costs.iter().enumerate().map(part).collect(),
     }

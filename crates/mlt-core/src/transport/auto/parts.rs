@@ -5,6 +5,9 @@ use crate::transport::kind::{KINDS, Kind, Kinds, LightEnd, PathEnd};
 use crate::transport::lights::Lights;
 use crate::transport::strata::LightStrata;
 
+/// Fewest and most edges of each class of paths.
+pub(super) const LENGTHS: [[usize; 2]; 3] = [[1, 2], [3, 4], [5, usize::MAX]];
+
 /// Products of the lights' parts and of groups of kinds, in this order.
 pub(super) struct Parts<'a> {
     pub(super) lights: &'a Lights,
@@ -18,9 +21,8 @@ pub(super) struct Parts<'a> {
 impl<'a> Parts<'a> {
     /// `specular`: whether anything in the scene is; kinds that it lacks are not told apart.
     pub(super) fn new(lights: &'a Lights, strata: &'a LightStrata, max_edges: usize, specular: bool) -> Self {
-        let lengths = [[1, 2], [3, 4], [5, usize::MAX]];
         let mut groups = Vec::new();
-        for [least, most] in lengths.into_iter().filter(|[least, _]| *least <= max_edges) {
+        for [least, most] in LENGTHS.into_iter().filter(|[least, _]| *least <= max_edges) {
             let of_length = |special: bool| {
                 let within = |kind: &Kind| kind.index() % 2 == usize::from(special);
                 let inside = |kind: &Kind| {
@@ -46,6 +48,11 @@ impl<'a> Parts<'a> {
     /// Number of parts.
     pub(super) fn len(&self) -> usize {
         self.strata.regions().len() * self.groups.len()
+    }
+
+    /// The kinds of paths in a part.
+    pub(super) fn group(&self, part: usize) -> Kinds {
+        self.groups[part % self.groups.len()]
     }
 
     /// Which part a path belongs to.

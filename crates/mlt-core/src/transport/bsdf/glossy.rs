@@ -3,7 +3,7 @@
 use super::super::Rgb;
 use super::fresnel::schlick;
 use super::{Conductor, Lambert};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// f_s = (1 - max F) ρ/π + F D G₂/(4 cosθₗ cosθₑ),  F = F₀ + (F₉₀ - F₀)(1 - h·l)⁵, on either side.
 ///
@@ -51,7 +51,7 @@ impl Glossy {
         if u[2] < self.coat_probability(n, given) {
             self.coat.sample(n, given, u)
         } else {
-            self.base.sample(n, given, u)
+            Some(self.base.sample(n, given, Vec2::new(u[0], u[1])))
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Ideal diffuse reflection.
 
 use super::super::{Rgb, math::cosine_hemisphere};
+use super::Evaluation;
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
@@ -25,9 +26,21 @@ impl Lambert {
         if n.dot(given) * cos > 0.0 { cos.abs() * FRAC_1_PI } else { 0.0 }
     }
 
+    /// Both, and the density of the way back.
+    #[inline]
+    pub fn evaluate(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Evaluation {
+        let (cos_light, cos_eye) = (n.dot(to_light), n.dot(to_eye));
+        let scale = if cos_light * cos_eye > 0.0 { FRAC_1_PI } else { 0.0 };
+        Evaluation {
+            value: self.reflectance * scale,
+            pdf_to_eye: cos_eye.abs() * scale,
+            pdf_to_light: cos_light.abs() * scale,
+        }
+    }
+
     /// Cosine-weighted on the side of `given`.
     #[inline]
-    pub fn sample(&self, n: Vec3, given: Vec3, u: [f32; 3]) -> Option<Vec3> {
-        Some(cosine_hemisphere(n * 1f32.copysign(n.dot(given)), Vec2::new(u[0], u[1])))
+    pub fn sample(&self, n: Vec3, given: Vec3, u: Vec2) -> Vec3 {
+        cosine_hemisphere(n * 1f32.copysign(n.dot(given)), u)
     }
 }

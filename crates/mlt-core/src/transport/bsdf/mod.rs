@@ -30,7 +30,7 @@ mod tests;
 mod thin;
 
 use super::Rgb;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
@@ -42,6 +42,17 @@ pub use mix::Mix;
 pub use rough_dielectric::RoughDielectric;
 pub use rough_thin::RoughThin;
 pub use thin::{Thin, slab_reflectance};
+
+/// What a BSDF is for two directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evaluation {
+    /// [`Bsdf::eval`].
+    pub value: Rgb,
+    /// [`Bsdf::pdf`] of the direction to the eye, given that to the light.
+    pub pdf_to_eye: f32,
+    /// [`Bsdf::pdf`] of the direction to the light, given that to the eye.
+    pub pdf_to_light: f32,
+}
 
 /// One surface's scattering function.
 #[derive(Clone, Debug)]
@@ -109,12 +120,30 @@ impl Bsdf {
         }
     }
 
+    /// Value and densities at once.
+    #[inline]
+    pub fn evaluate(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Evaluation {
+        match self {
+            Self::Lambert(b) => b.evaluate(n, to_light, to_eye),
+            _ => self.evaluate_apart(n, to_light, to_eye),
+        }
+    }
+
+    #[inline(never)]
+    fn evaluate_apart(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Evaluation {
+        Evaluation {
+            value: self.eval(n, to_light, to_eye),
+            pdf_to_eye: self.pdf(n, to_light, to_eye),
+            pdf_to_light: self.pdf(n, to_eye, to_light),
+        }
+    }
+
     /// Draws a direction; `None`: absorbed. `u` are three uniform numbers in [0, 1).
     #[inline]
     pub fn sample(&self, n: Vec3, given: Vec3, u: [f32; 3]) -> Option<Vec3> {
         match self {
             Self::Black => None,
-            Self::Lambert(b) => b.sample(n, given, u),
+            Self::Lambert(b) => Some(b.sample(n, given, Vec2::new(u[0], u[1]))),
             Self::Mirror(b) => b.delta_direction(n, given, false),
             Self::Dielectric(b) => b.sample(n, given, u),
             Self::Thin(b) => b.sample(n, given, u),
