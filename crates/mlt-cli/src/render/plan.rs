@@ -6,9 +6,9 @@ use crate::args::render::{Budget, Method, RenderOptions};
 
 /// Rounds of a render whose budget says nothing else.
 const ROUNDS: u64 = 16;
-/// Rounds that a time budget aims at: few, since well-stratified samples gain from being many in a round, and enough to tell
-/// the error.
-const TIMED_ROUNDS: f64 = 20.0;
+/// Fewest rounds that a time budget aims at, and half of the most: few, since well-stratified samples gain from being many in
+/// a round, and enough to tell the error.
+const TIMED_ROUNDS: f64 = 16.0;
 /// Fewest rounds whose spread is trusted to end a render.
 pub(crate) const TRUSTED_ROUNDS: u64 = 8;
 /// Most mutations a pixel of a round that nobody asked for: what an interruption may cost.
@@ -64,7 +64,12 @@ impl Plan {
         let total = rate * time.as_secs_f64();
         let ideal =
             self.rounds.map_or((total / TIMED_ROUNDS).min(self.largest_round()), |rounds| total / rounds as f64);
-        if self.method.mutates() { ((ideal * PARTS).floor() / PARTS).max(1.0 / PARTS) } else { ideal.floor().max(1.0) }
+        match (self.method.mutates(), self.rounds) {
+            (true, _) => ((ideal * PARTS).floor() / PARTS).max(1.0 / PARTS),
+            (false, Some(_)) => ideal.floor().max(1.0),
+            // The first 2^k points of a sequence are the best spread.
+            (false, None) => (ideal.max(1.0).log2().floor()).exp2(),
+        }
     }
 
     /// The options that make a render of `rounds` rounds of this size again.

@@ -169,6 +169,16 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         renderer
     }
 
+    /// A render with [`Method::Auto`] that follows a plan of the caller's.
+    pub fn with_plan(view: View<'a>, settings: Settings, importance: I, plan: Plan) -> Self {
+        let alone = Settings { method: Method::Path, ..settings.clone() };
+        Self {
+            settings: Settings { method: Method::Auto, ..settings },
+            plan: Some(plan),
+            ..Self::with_importance(view, alone, importance)
+        }
+    }
+
     /// Finds out which part of path space is sampled how.
     fn plan(&mut self) {
         let Settings { stratification, seed, per_pixel, .. } = self.settings;
