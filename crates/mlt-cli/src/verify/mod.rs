@@ -10,6 +10,7 @@ pub mod evidence;
 mod gallery;
 pub mod study;
 pub mod verdict;
+mod words;
 
 use std::path::Path;
 
