@@ -18,6 +18,7 @@ pub mod render;
 pub mod report;
 mod system;
 mod terminal;
+pub mod verify;
 
 pub use exit::Failure;
 pub use system::{cpu_seconds, require_memory};
@@ -40,5 +41,6 @@ fn run(cli: &args::Cli) -> Result<(), Failure> {
         args::Command::Render(options) => render::run(options),
         args::Command::Diff(options) => diff::run(options),
         args::Command::Bench(options) => bench::run(options),
+        args::Command::Verify(options) => verify::run(options),
     }
 }

@@ -13,6 +13,7 @@
 mod builtin;
 mod camera;
 mod error;
+pub mod gallery;
 mod geometry;
 mod gltf_file;
 mod guard;

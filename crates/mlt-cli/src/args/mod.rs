@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 pub mod bench;
 pub mod render;
 pub mod values;
+pub mod verify;
 
 /// Stratified Metropolis light transport.
 #[derive(Debug, Parser)]
@@ -26,6 +27,8 @@ pub enum Command {
     Diff(DiffOptions),
     /// Chart the error of methods against time, rays and mutations
     Bench(Box<bench::BenchOptions>),
+    /// Tell whether images of a scene can be trusted
+    Verify(Box<verify::VerifyOptions>),
 }
 
 /// Options of `mlt diff`.

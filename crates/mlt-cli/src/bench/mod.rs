@@ -9,7 +9,7 @@ mod paper;
 mod report;
 mod row;
 mod runs;
-mod statistics;
+pub(crate) mod statistics;
 mod study;
 mod subject;
 mod summary;

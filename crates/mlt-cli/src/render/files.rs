@@ -13,7 +13,7 @@ use crate::{
 
 /// Writes all files and names them in the report. One that cannot be written does not stop the others.
 pub fn write(options: &RenderOptions, setup: &Setup, finished: Finished) -> Result<Report, Failure> {
-    let Finished { film, mut report, per_pixel } = finished;
+    let Finished { film, mut report, per_pixel, .. } = finished;
     let (image, stderr) = develop(film, setup)?;
     let attributes = attributes(options, &report, per_pixel);
     let write = |output: &OutputFile| -> anyhow::Result<String> {
@@ -83,6 +83,7 @@ fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> Vec<(
         text("b_stderr", report.b_stderr.to_string()),
         text("seconds", report.seconds.to_string()),
         text("relative_error", report.relative_error.map_or_else(|| "unknown".into(), |error| error.to_string())),
+        text("r_hat", report.agreement.map_or_else(|| "unknown".into(), |agreement| agreement.r_hat.to_string())),
         text("warnings", report.warnings.join("\n")),
     ]
 }

@@ -1,6 +1,8 @@
 //! `mlt render`.
 
+mod blocks;
 mod files;
+mod losses;
 mod plan;
 mod session;
 mod setup;
@@ -11,6 +13,7 @@ use anyhow::Context;
 
 use crate::{Failure, args::render::RenderOptions, image::Image, interrupt::Interrupt, print, report::Report, warn};
 
+pub(crate) use blocks::{Blocks, Grid};
 pub(crate) use plan::Plan;
 pub(crate) use setup::Setup;
 
@@ -40,13 +43,15 @@ pub(crate) struct Rendered {
     pub stderr: Option<Vec<[f32; 3]>>,
     /// What the render tells about itself.
     pub report: Report,
+    /// What each round gave each block of the image.
+    pub blocks: Blocks,
 }
 
 /// Renders on the current rayon pool and writes nothing.
 pub(crate) fn in_memory(options: &RenderOptions, setup: &Setup, interrupt: &Interrupt) -> Result<Rendered, Failure> {
     let finished = session::run(options, setup, Plan::new(options), interrupt)?;
     let (image, stderr) = files::develop(finished.film, setup)?;
-    Ok(Rendered { image, stderr, report: finished.report })
+    Ok(Rendered { image, stderr, report: finished.report, blocks: finished.blocks })
 }
 
 fn announce(plan: &Plan) {

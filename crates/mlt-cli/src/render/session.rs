@@ -18,14 +18,14 @@ use mlt_core::{
     },
 };
 
-use super::{Plan, Setup, plan::TRUSTED_ROUNDS};
+use super::{Plan, Setup, blocks::Blocks, losses::losses, plan::TRUSTED_ROUNDS};
 use crate::{
     Failure,
     args::render::{self, RenderOptions, value_name},
     cpu_seconds,
     interrupt::Interrupt,
     progress::Progress,
-    report::{Acceptance, Decision, Report, StratumReport},
+    report::{Acceptance, Agreement, Decision, Report, StratumReport},
     require_memory,
 };
 
@@ -37,8 +37,8 @@ const ENOUGH: Duration = Duration::from_millis(300);
 const BYTES_PER_MUTATION: f64 = 0.6;
 /// Bytes for each sample of the pixels in work, two a thread: its deposits.
 const BYTES_PER_SAMPLE: f64 = 64.0;
-/// A run of rejections that is worth a warning.
-const STUCK: u64 = 10_000;
+/// A run of rejections that is worth a warning: half of the longest chain of a round.
+const STUCK: u64 = 4096;
 /// Relative uncertainty of a stratum's b that is worth a warning.
 const UNCERTAIN: f64 = 0.05;
 
@@ -50,6 +50,8 @@ pub struct Finished {
     pub report: Report,
     /// Mutations or samples a pixel of one round.
     pub per_pixel: f64,
+    /// What each round gave each block of the image.
+    pub blocks: Blocks,
 }
 
 /// Renders on the current rayon pool.
@@ -67,7 +69,11 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
     let first = options.first_round;
     let last = plan.rounds.map_or(u64::MAX, |rounds| first.saturating_add(rounds));
     let (watched, mut error) = (progress.is_shown() || plan.error.is_some(), None);
+    let mut blocks = Blocks::new(setup.camera.size());
     let outcome = renderer.render(first..last, &mut film, &mut counts, &mut |at, film| {
+        if at.fraction == 0.0 {
+            blocks.add(film);
+        }
         if watched && at.rounds > 1 && at.fraction == 0.0 {
             error = Some(relative_error(film)).filter(|error| error.is_finite());
         }
@@ -86,11 +92,13 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
         return Err(code(anyhow::anyhow!(what)));
     }
     let mut report = report(options, setup, &film, &counts);
+    report.agreement = blocks.agreement().filter(|_| counts.steps() > 0);
+    report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));
     report.decision = renderer.decision().map(Decision::from);
     report.interrupted = interrupted;
     report.seconds = start.elapsed().as_secs_f64();
     report.cpu_seconds = cpu_seconds().zip(cpu).map(|(now, then)| now - then);
-    Ok(Finished { film, report, per_pixel })
+    Ok(Finished { film, report, per_pixel, blocks })
 }
 
 /// The size of a round that suits a time budget, from the speed of a small render.
@@ -243,11 +251,13 @@ fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Count
         b_stderr,
         strata: counts.strata.iter().map(stratum).collect(),
         relative_error: error.is_finite().then_some(error),
+        agreement: None,
         decision: None,
         warnings: setup.warnings.clone(),
         outputs: Vec::new(),
     };
     report.warnings.extend(warnings(film, counts));
+    report.warnings.extend(losses(film, counts, width));
     report
 }
 
@@ -296,11 +306,6 @@ fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
     let b: f64 = counts.strata.iter().map(StratumStats::b).sum();
     let uncertain = |s: &&StratumStats| s.b_stderr() > UNCERTAIN * s.b() && s.b() > 0.01 * b;
     let strata = counts.strata.iter().filter(uncertain).count();
-    let non_finite: u64 = counts
-        .strata
-        .iter()
-        .map(|s| s.non_finite_samples + s.mutations.iter().map(|m| m.non_finite).sum::<u64>())
-        .sum();
     let longest = counts.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0);
     let dark = (0..film.sites() as usize).all(|i| film.pixel(i).iter().all(|channel| channel.mean == 0.0));
     let rounds = film.rounds();
@@ -310,10 +315,6 @@ fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
         format!("the error is estimated from {rounds} rounds only; take {TRUSTED_ROUNDS} or more to trust it"),
     );
     warn(strata > 0, format!("{strata} strata have a b that is uncertain by more than 5 %; take more mutations"));
-    warn(non_finite > 0, format!("{non_finite} paths had an importance that is not finite; they are left out"));
-    let refused: u64 = counts.strata.iter().map(|s| s.refused_starts).sum();
-    warn(refused > 0, format!("{refused} chains could not start; what they would have added is missing"));
-    warn(film.lost() > 0, format!("{} contributions were not finite; they are left out", film.lost()));
     warn(longest > STUCK, format!("a chain was stuck for {longest} mutations; the image may have bright spots"));
     warn(dark, "the image is black: no path from a light to the camera was found".into());
     warnings

@@ -30,7 +30,13 @@ pub struct Setup {
 impl Setup {
     /// Loads the scene and finds the camera.
     pub fn new(options: &RenderOptions) -> Result<Self, Failure> {
-        let loaded = mlt_scene::open(&options.scene).map_err(|error| Failure::Usage(error.into()))?;
+        Self::edited(options, |_| ())
+    }
+
+    /// The same of a scene that is changed once it is loaded.
+    pub fn edited(options: &RenderOptions, edit: impl FnOnce(&mut SceneDescription)) -> Result<Self, Failure> {
+        let mut loaded = mlt_scene::open(&options.scene).map_err(|error| Failure::Usage(error.into()))?;
+        edit(&mut loaded.description);
         let name = options.scene.display().to_string();
         let pose = pose(options, &loaded.description)?;
         let size = size(options, &pose);

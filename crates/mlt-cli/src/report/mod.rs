@@ -71,6 +71,8 @@ pub struct Report {
     pub strata: Vec<StratumReport>,
     /// Estimated relative error of the image, a fraction; `None` when there were too few rounds to tell.
     pub relative_error: Option<f64>,
+    /// How well the rounds agree; `None` without chains, when there were too few rounds to tell, and for a black image.
+    pub agreement: Option<Agreement>,
     /// What the method `auto` decided; `None` for other methods.
     pub decision: Option<Decision>,
     /// What the user should know.
@@ -87,6 +89,37 @@ pub struct Acceptance {
     pub mutations: BTreeMap<String, Option<f64>>,
     /// Of all mutations together; `None` without mutations.
     pub total: Option<f64>,
+}
+
+/// How well rounds agree in the block of the image where they differ most.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Agreement {
+    /// Potential scale reduction R̂ ≥ 1 of the rounds taken as chains; 1: they agree.
+    pub r_hat: f64,
+    /// Column and row of the block.
+    pub block: [usize; 2],
+    /// Columns and rows of blocks.
+    pub blocks: [usize; 2],
+    /// Independent samples that all rounds together are worth there.
+    pub effective_samples: f64,
+}
+
+/// R̂ that is worth a warning. Source: [GelmanEtAl13], section 11.4, asks for less than 1.1 and notes that 1.05 is safer.
+const DISAGREEMENT: f64 = 1.05;
+
+impl Agreement {
+    /// What to tell the user if rounds disagree.
+    pub fn warning(&self) -> Option<String> {
+        let Self { r_hat, block: [x, y], blocks: [columns, rows], effective_samples } = self;
+        (*r_hat > DISAGREEMENT).then(|| {
+            format!(
+                "rounds disagree (R-hat {r_hat:.2}) in column {} of {columns}, row {} of {rows}, of the image: they are worth \
+                 {effective_samples:.0} independent samples there; take more or longer rounds",
+                x + 1,
+                y + 1
+            )
+        })
+    }
 }
 
 /// One stratum.
@@ -142,6 +175,13 @@ impl fmt::Display for Report {
         self.write_strata(f)?;
         if let Some(error) = self.relative_error {
             writeln!(f, "  relative error  {:.2} %, estimated", error * 100.0)?;
+        }
+        if let Some(Agreement { r_hat, effective_samples, blocks: [columns, rows], .. }) = self.agreement {
+            let samples = short(effective_samples);
+            writeln!(
+                f,
+                "  rounds agree    R-hat {r_hat:.3}, {samples} effective samples, in the worst of {columns}x{rows} blocks"
+            )?;
         }
         self.outputs.iter().try_for_each(|output| writeln!(f, "  written         {output}"))
     }
@@ -210,6 +250,7 @@ mod tests {
             b_stderr: 0.001,
             strata: vec![StratumReport { b: 0.025, b_stderr: 0.0001, mutations: 150_000, longest_rejection: 31 }; 20],
             relative_error: Some(0.0213),
+            agreement: Some(Agreement { r_hat: 1.2, block: [1, 0], blocks: [8, 8], effective_samples: 36.0 }),
             decision: None,
             warnings: vec!["textures are left out".into()],
             outputs: vec!["a.exr".into()],
@@ -236,6 +277,7 @@ mod tests {
             "rays",
             "b",
             "relative_error",
+            "agreement",
             "warnings",
             "outputs",
         ] {
@@ -250,6 +292,14 @@ mod tests {
             (&json["strata"][0]["longest_rejection"], &json["longest_rejection"]["bidirectional"]),
             (&31.into(), &31.into())
         );
+    }
+
+    #[test]
+    fn rounds_that_disagree_are_told_of() {
+        let agreement = report().agreement.expect("known");
+        let warning = agreement.warning().expect("above 1.05");
+        assert!(warning.contains("R-hat 1.20") && warning.contains("column 2 of 8, row 1 of 8"), "{warning}");
+        assert_eq!(Agreement { r_hat: 1.01, ..agreement }.warning(), None);
     }
 
     #[test]

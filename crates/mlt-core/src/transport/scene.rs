@@ -10,7 +10,7 @@ use super::material::Material;
 use super::mesh::Mesh;
 use super::ray::{Hit, Ray};
 use super::space::Space;
-use super::vertex::Vertex;
+use super::vertex::{ERROR_FACTOR, Vertex};
 use glam::Vec3;
 use std::cell::Cell;
 
@@ -149,9 +149,13 @@ impl Scene {
     }
 
     /// Whether nothing stands between two vertices.
+    ///
+    /// The ray starts where coordinates are finer: its end is rounded in proportion to its length, which would put it behind
+    /// a small surface that is seen from a large one.
     #[inline(always)]
     pub fn visible(&self, a: &Vertex, b: &Vertex) -> bool {
         RAYS.set(RAYS.get() + 1);
+        let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
         let towards_b = b.position - a.position;
         let (from, to) = (a.origin(towards_b), b.origin(-towards_b));
         !self.accel.occluded(&Ray { origin: from, direction: to - from, t_max: 1.0 })
@@ -270,7 +274,3 @@ fn append(
         }
     }
 }
-
-/// Bound on the error of an interpolated position and of the intersection test near it, relative to the largest
-/// coordinate of the triangle: 16 units in the last place of f32.
-const ERROR_FACTOR: f32 = 16.0 * f32::EPSILON;

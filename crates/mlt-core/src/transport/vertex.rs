@@ -5,6 +5,10 @@ use glam::Vec3;
 /// `Vertex::primitive` of the camera.
 pub const CAMERA: u32 = u32::MAX;
 
+/// Bound on the error of an interpolated position and of the intersection test near it, relative to the largest
+/// coordinate of the triangle: 16 units in the last place of f32.
+pub(super) const ERROR_FACTOR: f32 = 16.0 * f32::EPSILON;
+
 /// A path's vertex: where it is and how the surface lies there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
@@ -27,7 +31,7 @@ pub struct Vertex {
 }
 
 impl Vertex {
-    /// The camera at `position`, looking along `forward`.
+    /// The camera at `position`, looking along `forward`. It may lie on a surface that it looks away from.
     pub fn camera(position: Vec3, forward: Vec3) -> Self {
         Self {
             position,
@@ -35,7 +39,7 @@ impl Vertex {
             shading_normal: forward,
             primitive: CAMERA,
             material: 0,
-            error: 0.0,
+            error: ERROR_FACTOR * position.abs().max_element(),
             delta: false,
             emits: false,
         }

@@ -4,3 +4,4 @@ pub(crate) mod balance;
 mod camera;
 pub(crate) mod paths;
 mod strata;
+mod visibility;

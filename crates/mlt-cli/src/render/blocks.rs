@@ -1,0 +1,166 @@
+//! How well the rounds of a render agree, block by block of the image.
+
+use mlt_core::{
+    engine::Film,
+    transport::{Rgb, luminance},
+};
+
+use crate::report::Agreement;
+
+/// Blocks along each side of the image, where it has as many pixels.
+const SIDE: usize = 8;
+/// Rounds that are kept.
+const MOST_ROUNDS: usize = 4096;
+/// Fewest rounds whose disagreement says anything.
+const LEAST_ROUNDS: usize = 4;
+
+/// Blocks of an image: nearly equal rectangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    size: [usize; 2],
+    /// Columns and rows.
+    pub cut: [usize; 2],
+}
+
+impl Grid {
+    /// Up to `side` columns and rows of blocks for an image of this width and height.
+    pub fn new(size: [usize; 2], side: usize) -> Self {
+        Self { size, cut: size.map(|n| n.min(side)) }
+    }
+
+    /// Number of blocks.
+    pub fn count(&self) -> usize {
+        self.cut[0] * self.cut[1]
+    }
+
+    /// The block of a pixel, row by row.
+    pub fn block(&self, pixel: usize) -> usize {
+        let (x, y) = (pixel % self.size[0], pixel / self.size[0]);
+        (y * self.cut[1] / self.size[1]) * self.cut[0] + x * self.cut[0] / self.size[0]
+    }
+
+    /// Σ over the pixels of each block, over the number of the image's pixels.
+    pub fn shares(&self, pixels: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut sums = vec![0.0; self.count()];
+        pixels.enumerate().for_each(|(pixel, value)| sums[self.block(pixel)] += value);
+        let n = (self.size[0] * self.size[1]) as f64;
+        sums.into_iter().map(|sum| sum / n).collect()
+    }
+}
+
+/// What each round gave each block: mean luminance of the image that comes from it.
+#[derive(Clone, Debug)]
+pub struct Blocks {
+    grid: Grid,
+    /// Rounds seen, and Σ over them.
+    seen: u64,
+    sums: Vec<f64>,
+    /// Of each round, up to 4096 of them.
+    pub rounds: Vec<Vec<f64>>,
+}
+
+impl Blocks {
+    /// No rounds, for images of this size.
+    pub fn new(size: [u32; 2]) -> Self {
+        let grid = Grid::new(size.map(|n| n as usize), SIDE);
+        Self { grid, seen: 0, sums: vec![0.0; grid.count()], rounds: Vec::new() }
+    }
+
+    /// Takes in the round that was closed last, all rounds having equal weight. Rounds that were not shown are skipped.
+    pub fn add(&mut self, film: &Film<3>) {
+        if film.rounds() == self.seen || self.rounds.len() == MOST_ROUNDS {
+            return;
+        }
+        let pixels = (0..film.sites() as usize).map(|i| {
+            let mean = film.pixel(i).map(|channel| channel.mean as f32);
+            f64::from(luminance(Rgb::from_array(mean)))
+        });
+        let sums: Vec<f64> = self.grid.shares(pixels).iter().map(|mean| mean * film.rounds() as f64).collect();
+        if film.rounds() == self.seen + 1 {
+            self.rounds.push(sums.iter().zip(&self.sums).map(|(now, before)| now - before).collect());
+        }
+        (self.sums, self.seen) = (sums, film.rounds());
+    }
+
+    /// Potential scale reduction R̂ of the rounds, each taken as one chain, for the worst block.
+    ///
+    /// What is estimated is the share q = m/M of the image's luminance that lies in the block. A state of a chain that
+    /// samples luminance lies there or not, with variance W = q(1 − q). Rounds whose states are worth n independent
+    /// ones differ by B/n = Var(q̂), so R̂² = 1 + Var(q̂)/W and n = W/Var(q̂): R̂ = 1.05 means ten.
+    ///
+    /// Source: [GelmanRubin92].
+    pub fn agreement(&self) -> Option<Agreement> {
+        if self.rounds.len() < LEAST_ROUNDS {
+            return None;
+        }
+        let n = self.rounds.len() as f64;
+        let mean = |block: usize| self.rounds.iter().map(|round| round[block]).sum::<f64>() / n;
+        let means: Vec<f64> = (0..self.grid.count()).map(mean).collect();
+        let image: f64 = means.iter().sum();
+        let ratio = |block: usize| {
+            let m = means[block];
+            let variance = self.rounds.iter().map(|round| (round[block] - m).powi(2)).sum::<f64>() / (n - 1.0);
+            // A block that holds the whole image, but for rounding, has no variance of its own.
+            let within = m * (image - m);
+            if within > 1e-12 * image * image { variance / within } else { 0.0 }
+        };
+        let (worst, ratio) = (0..means.len())
+            .map(|block| (block, ratio(block)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|_| image > 0.0)?;
+        let block = [worst % self.grid.cut[0], worst / self.grid.cut[0]];
+        let effective_samples = n / ratio.max(f64::MIN_POSITIVE);
+        Some(Agreement { r_hat: (1.0 + ratio).sqrt(), block, blocks: self.grid.cut, effective_samples })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mlt_core::engine::{Sink, Splat};
+
+    use super::*;
+
+    /// Rounds of `states` states each, a share q of which lies in the left half of an image of two pixels.
+    fn rounds(states: u32, shares: &[f64]) -> Blocks {
+        let (mut film, mut blocks) = (Film::<3>::new(2, 1.0), Blocks::new([2, 1]));
+        for &q in shares {
+            let left = (q * f64::from(states)).round();
+            let mut deposits = film.deposits();
+            for (site, count) in [(0, left), (1, f64::from(states) - left)] {
+                deposits.deposit(Splat { site, value: [count / f64::from(states); 3] }, 1.0);
+            }
+            film.add(&[deposits]);
+            film.close_round(1);
+            blocks.add(&film);
+        }
+        blocks
+    }
+
+    #[test]
+    fn rounds_are_told_apart() {
+        let blocks = rounds(100, &[0.25, 0.75, 0.5]);
+        let left: Vec<f64> = blocks.rounds.iter().map(|round| (round[0] * 200.0).round()).collect();
+        assert_eq!(left, [25.0, 75.0, 50.0]);
+        assert_eq!(blocks.agreement(), None);
+    }
+
+    /// q̂ = 0.5 ± 0.05 is what a hundred independent states give; chains that are stuck on either side are worth one.
+    #[test]
+    fn effective_samples_are_those_of_a_binomial() {
+        let agreement = rounds(1000, &[0.45, 0.55, 0.45, 0.55]).agreement().expect("four rounds");
+        let per_round = agreement.effective_samples / 4.0;
+        assert!((per_round - 75.0).abs() < 1.0 && agreement.r_hat < 1.01, "{agreement:?}");
+
+        let stuck = rounds(1000, &[0.0, 1.0, 1.0, 0.0]).agreement().expect("four rounds");
+        assert!(stuck.r_hat > 1.4 && stuck.effective_samples < 4.0, "{stuck:?}");
+    }
+
+    #[test]
+    fn a_grid_covers_the_image() {
+        let grid = Grid::new([5, 3], 4);
+        let blocks: Vec<usize> = (0..15).map(|pixel| grid.block(pixel)).collect();
+        assert_eq!((grid.count(), blocks[0], blocks[14]), (12, 0, 11));
+        let shares = grid.shares((0..15).map(|_| 1.0));
+        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{shares:?}");
+    }
+}

@@ -1,0 +1,200 @@
+//! The study of all methods on all scenes of the gallery, and its table.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use anyhow::Context;
+use clap::ValueEnum;
+use mlt_scene::gallery::{Outcome, SCENES, Scene, find};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Court,
+    verdict::{Status, Verdict},
+};
+use crate::{
+    Failure,
+    args::{
+        render::{Method, value_name},
+        verify::VerifyOptions,
+    },
+    bench::Variant,
+    output::atomic,
+};
+
+/// The verdict on a scene and method, with what decides it.
+#[derive(Deserialize, Serialize)]
+struct Kept {
+    identity: String,
+    verdict: Verdict,
+}
+
+/// The scenes asked for, or all.
+pub fn scenes(options: &VerifyOptions) -> Result<Vec<&'static Scene>, Failure> {
+    if options.scenes.is_empty() {
+        return Ok(SCENES.iter().collect());
+    }
+    let scene = |name: &PathBuf| {
+        find(&name.to_string_lossy()).ok_or_else(|| {
+            let names: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
+            Failure::Usage(anyhow::anyhow!("the gallery has no scene {}; it has {}", name.display(), names.join(", ")))
+        })
+    };
+    options.scenes.iter().map(scene).collect()
+}
+
+/// Strata that a pilot finds are another way to work, with failures of its own.
+const STRATIFIED: &str = "mlt:auto:weights=adaptive";
+
+/// Every method there is.
+pub fn all_methods() -> Result<Vec<Variant>, Failure> {
+    let names = Method::value_variants().iter().map(|method| value_name(*method)).chain([STRATIFIED.to_owned()]);
+    let methods = names.map(|name| name.parse()).collect::<Result<_, String>>();
+    methods.map_err(|message| Failure::Run(anyhow::anyhow!(message)))
+}
+
+/// Judges what is not judged yet, and writes the table after each scene.
+pub fn run(court: &Court, scenes: &[&Scene], folder: &Path) -> Result<Vec<Verdict>, Failure> {
+    let create =
+        |path: &Path| fs::create_dir_all(path).with_context(|| format!("{}: cannot be created", path.display()));
+    create(&folder.join("verdicts"))?;
+    let mut verdicts = Vec::new();
+    for scene in scenes {
+        let files = folder.join("scenes").join(scene.name);
+        create(&files)?;
+        let path = scene.write(&files).with_context(|| format!("{}: cannot be written", files.display()))?;
+        verdicts.extend(of_scene(court, scene, &path, folder)?);
+        let table = page(&verdicts, scenes, court);
+        atomic::write(&folder.join("stability.md"), table.as_bytes())?;
+    }
+    Ok(verdicts)
+}
+
+fn of_scene(court: &Court, scene: &Scene, path: &Path, folder: &Path) -> Result<Vec<Verdict>, Failure> {
+    let file = |method: &Variant| {
+        let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.=".contains(c) { c } else { '_' };
+        let name: String = format!("{}-{method}", scene.name).chars().map(plain).collect();
+        folder.join("verdicts").join(name + ".json")
+    };
+    let content = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    let identity = |method: &Variant| format!("{} {method} {:016x}", court.identity(), fingerprint(&content));
+    let kept = |method: &Variant| -> Option<Verdict> {
+        let kept: Kept = serde_json::from_slice(&fs::read(file(method)).ok()?).ok()?;
+        (kept.identity == identity(method)).then_some(kept.verdict)
+    };
+    let mut keep = |method: &Variant, verdict: &mut Verdict| -> Result<(), Failure> {
+        scene.name.clone_into(&mut verdict.scene);
+        if scene.outcome == Outcome::Black && verdict.bias.is_none() {
+            (verdict.status, verdict.remarks) = (Status::Passes, vec!["black, as it has to be".into()]);
+        }
+        let kept = Kept { identity: identity(method), verdict: verdict.clone() };
+        let json = serde_json::to_string_pretty(&kept).context("cannot encode a verdict")?;
+        Ok(atomic::write(&file(method), json.as_bytes())?)
+    };
+    match court.judge(path, &kept, &mut keep) {
+        Err(Failure::Run(error)) if scene.outcome == Outcome::Refused => Ok(refused(court, scene, &error)),
+        other => other,
+    }
+}
+
+/// A scene that no method renders, and should not.
+fn refused(court: &Court, scene: &Scene, error: &anyhow::Error) -> Vec<Verdict> {
+    let sentence = format!("{error:#}");
+    let told = sentence.contains("no light") && !sentence.contains('\n');
+    let verdict = |method: &Variant| Verdict {
+        scene: scene.name.to_owned(),
+        method: method.to_string(),
+        reference: String::new(),
+        replicas: 0,
+        status: if told { Status::Passes } else { Status::Fails },
+        faults: Vec::new(),
+        remarks: vec!["refused, as it has to be".into()],
+        bias: None,
+        chains: None,
+        errors: None,
+        warnings: BTreeMap::new(),
+    };
+    court.methods.iter().map(verdict).collect()
+}
+
+/// FNV-1a, 64 bits.
+fn fingerprint(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// docs/stability.md.
+pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
+    let mut page = format!(
+        "# Where methods fail\n\nWritten by `mlt verify --gallery -o FOLDER` (FOLDER/stability.md); see [verify.md](verify.md) for \
+         what it tests.\nFor each scene and method: {}.\n\n",
+        court.identity()
+    );
+    let methods: Vec<String> = court.methods.iter().map(Variant::to_string).collect();
+    page += "- **passes**: no fault was found, and an error of 1 % of the image, or 10 % of a region, would have been.\n\
+             - **slow**: no fault was found, but errors up to the figures (image, region) would not have been seen.\n\
+             - **fails**: in the words of the list below the table. *wrong*: another image than the reference's; *unsteady*: the \
+             worst seed's relMSE is\n  more than 3 times the median's; *bars*: 95 % error bars hold the truth in less than 90 % of \
+             pixels; *rounds*, *b*, *seeds*: chains,\n  normalisations or random numbers that are not independent.\n\n";
+    page += &format!("| scene | what is hard | {} |\n|---|---|{}\n", methods.join(" | "), "---|".repeat(methods.len()));
+    for scene in scenes {
+        let of = |method: &String| verdicts.iter().find(|v| v.scene == scene.name && v.method == *method);
+        let cells: Vec<String> = methods.iter().map(|method| of(method).map_or_else(|| "…".into(), cell)).collect();
+        page += &format!("| {} | {} | {} |\n", scene.name, scene.stresses, cells.join(" | "));
+    }
+    page += "\n## Failures\n\n";
+    for verdict in verdicts.iter().filter(|v| v.status == Status::Fails) {
+        page += &format!("- {} × {}: {}.\n", verdict.scene, verdict.method, verdict.reasons());
+    }
+    page + &figures(verdicts)
+}
+
+fn cell(verdict: &Verdict) -> String {
+    match (&verdict.bias, verdict.status) {
+        (Some(bias), Status::Slow) => {
+            format!("slow ({:.1} %, {:.0} %)", 100.0 * bias.visible, 100.0 * bias.visible_in_regions)
+        }
+        (_, Status::Fails) => {
+            let words: Vec<&str> = verdict.faults.iter().map(|fault| fault.word.as_str()).collect();
+            format!("**fails**: {}", words.join(", "))
+        }
+        (_, status) => status.word().into(),
+    }
+}
+
+/// The figures behind the words.
+fn figures(verdicts: &[Verdict]) -> String {
+    let mut text = "\n## Figures\n\np: of so large a difference from the reference, corrected. Visible: error of the image, and of \
+                    a region, seen in 4 of 5 studies. Bars: share of 95 %\nerror bars that hold the truth. relMSE: median over seeds, and the worst over it. R̂: \
+                    of rounds in the worst block.\nStuck: longest run of rejections. Flicker: lights moved by a millionth, over \
+                    another seed.\n\n\
+                    | scene | method | by | p | image | visible | bars | relMSE | worst | R̂ | stuck | flicker |\n\
+                    |---|---|---|---|---|---|---|---|---|---|---|---|\n"
+        .to_owned();
+    for verdict in verdicts {
+        let (Some(bias), Some(chains), Some(errors)) = (&verdict.bias, &verdict.chains, &verdict.errors) else {
+            continue;
+        };
+        let optional = |value: Option<String>| value.unwrap_or_else(|| "–".into());
+        text += &format!(
+            "| {} | {} | {} | {:.1e} | {:+.2} ± {:.2} % | {:.2} %, {:.1} % | {} | {:.1e} | {:.1} | {} | {} | {} |\n",
+            verdict.scene,
+            verdict.method,
+            verdict.reference,
+            bias.p,
+            100.0 * bias.image_difference,
+            100.0 * bias.image_stderr,
+            100.0 * bias.visible,
+            100.0 * bias.visible_in_regions,
+            optional(errors.coverage.map(|coverage| format!("{:.1} %", 100.0 * coverage))),
+            errors.median,
+            errors.worst,
+            optional(chains.r_hat.map(|r_hat| format!("{r_hat:.3}"))),
+            if chains.b_spread.is_some() { chains.longest_rejection.to_string() } else { "–".into() },
+            optional(errors.moved.map(|ratio| format!("{ratio:.0e}"))),
+        );
+    }
+    text
+}

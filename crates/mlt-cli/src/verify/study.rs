@@ -1,0 +1,216 @@
+//! Makes replicas: many short renders with different seeds.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use mlt_core::transport::{Rgb, description::SceneDescription};
+use rayon::prelude::*;
+
+use super::{
+    errors::rel_mse,
+    evidence::{Evidence, Group, Replica},
+};
+use crate::{
+    Failure,
+    args::{
+        render::{Method, RenderOptions},
+        values::Size,
+    },
+    bench::{Variant, statistics::mean_of},
+    interrupt::Interrupt,
+    render::{self, Plan, Setup},
+};
+
+/// Most groups of lights that the reference renders apart.
+const MOST_GROUPS: usize = 8;
+/// How far lights move between two frames, in sizes of the scene.
+const NUDGE: f64 = 1e-6;
+/// The reference's seeds start here, beyond those of the methods.
+const REFERENCE_SEEDS: u64 = 1 << 32;
+
+/// How much is rendered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Size of the images.
+    pub size: Size,
+    /// Renders of each method.
+    pub replicas: u64,
+    /// Mutations per pixel of each; other methods take as many as cost about the same.
+    pub per_pixel: f64,
+    /// Rounds of each.
+    pub rounds: u64,
+    /// The first seed.
+    pub seed: u64,
+}
+
+impl Effort {
+    /// Everything that decides the images.
+    pub fn identity(&self) -> String {
+        let Self { size, replicas, per_pixel, rounds, seed } = self;
+        format!("{size}, {replicas} replicas of {per_pixel} per pixel in {rounds} rounds, seeds from {seed}")
+    }
+
+    /// Mutations or samples a pixel of this method.
+    fn per_pixel_of(&self, method: Method) -> f64 {
+        let cost = match method {
+            Method::Bdpt | Method::Pssmlt => 8.0,
+            Method::Auto | Method::Pt | Method::Mmlt => 2.0,
+            _ => 1.0,
+        };
+        (self.per_pixel / cost).max(1.0)
+    }
+}
+
+/// A scene, with its lights apart.
+pub struct Subject {
+    scene: PathBuf,
+    effort: Effort,
+    setup: Setup,
+    /// The scene by some of its lights alone, and their material's name.
+    groups: Vec<(String, Setup)>,
+    /// The scene with its lights moved a little.
+    moved: Setup,
+}
+
+impl Subject {
+    /// Loads the scene.
+    pub fn load(scene: &Path, effort: Effort) -> Result<Self, Failure> {
+        let options = options(&"pt".parse().map_err(run_failure)?, scene, &[format!("--size={}", effort.size)])?;
+        let mut emitters = Vec::new();
+        let setup = Setup::edited(&options, |description| emitters = emitting_materials(description))?;
+        let count = emitters.len().min(MOST_GROUPS);
+        let group = |first: usize| {
+            let names: Vec<_> = emitters.iter().skip(first).step_by(count).map(|(_, name)| name.as_str()).collect();
+            let keep: Vec<_> = emitters.iter().skip(first).step_by(count).map(|(index, _)| *index).collect();
+            let lit = Setup::edited(&options, |description| put_out_all_but(&keep, description))?;
+            Ok::<_, Failure>((names.join(", "), lit))
+        };
+        let groups = (0..count).map(group).collect::<Result<_, _>>()?;
+        let moved = Setup::edited(&options, nudge_lights)?;
+        Ok(Self { scene: scene.to_owned(), effort, setup, groups, moved })
+    }
+
+    /// Replicas of a method, and relMSE between two frames with the lights moved.
+    pub fn replicas(&self, variant: &Variant, interrupt: &Interrupt) -> Result<(Vec<Replica>, f64), Failure> {
+        let base = options(variant, &self.scene, &[])?.method();
+        let per_pixel = self.effort.per_pixel_of(base);
+        let render = |setup: &Setup, index: u64| {
+            self.render(variant, setup, per_pixel, self.effort.rounds, self.effort.seed + index, interrupt)
+        };
+        let made: Result<Vec<Replica>, Failure> =
+            (0..self.effort.replicas).into_par_iter().map(|index| render(&self.setup, index)).collect();
+        let (made, moved) = (made?, render(&self.moved, 0)?);
+        let level = mean_of(made.iter().flat_map(|r| r.pixels.iter().copied()));
+        let frames = rel_mse(made[0].pixels.iter().copied(), &moved.pixels, level);
+        Ok((made, frames))
+    }
+
+    /// Replicas of a reference, each the sum of renders by one group of lights alone.
+    ///
+    /// A light that is one of many, or weak, or tiny is then sampled as often as any other group.
+    pub fn reference(&self, variant: &Variant, interrupt: &Interrupt) -> Result<Reference, Failure> {
+        let base = options(variant, &self.scene, &[])?.method();
+        let per_pixel = (self.effort.per_pixel_of(base) / self.groups.len() as f64).ceil();
+        let parts: Result<Vec<Vec<Vec<f64>>>, Failure> = (0..self.effort.replicas)
+            .into_par_iter()
+            .map(|index| {
+                let seed = REFERENCE_SEEDS + self.effort.seed + index;
+                let part = |(_, setup): &(String, Setup)| {
+                    Ok(self.render(variant, setup, per_pixel, 1, seed, interrupt)?.pixels)
+                };
+                self.groups.iter().map(part).collect()
+            })
+            .collect();
+        Ok(Reference::new(self.groups.iter().map(|group| group.0.clone()), &parts?))
+    }
+
+    fn render(
+        &self,
+        variant: &Variant,
+        setup: &Setup,
+        per_pixel: f64,
+        rounds: u64,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Replica, Failure> {
+        let method = options(variant, &self.scene, &[])?.method();
+        let mut words = vec![format!("--seed={seed}"), format!("--rounds={rounds}")];
+        words.extend(Plan::budget_option(method, per_pixel, 1).split_whitespace().map(str::to_owned));
+        let rendered = render::in_memory(&options(variant, &self.scene, &words)?, setup, interrupt)?;
+        if rendered.report.interrupted {
+            return Err(Failure::InterruptedEarly(anyhow::anyhow!("interrupted")));
+        }
+        Ok(Replica::new(rendered))
+    }
+
+    /// Width and height of the images.
+    pub fn size(&self) -> [usize; 2] {
+        [self.effort.size.width, self.effort.size.height]
+    }
+}
+
+/// What the reference methods found.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Pixels by replica.
+    pub replicas: Vec<Vec<f64>>,
+    /// Mean images of the groups of lights.
+    pub groups: Vec<Group>,
+}
+
+impl Reference {
+    /// `parts`: pixels by replica and group.
+    fn new(names: impl Iterator<Item = String>, parts: &[Vec<Vec<f64>>]) -> Self {
+        let sum = |groups: &Vec<Vec<f64>>| {
+            let mut total = vec![0.0; groups.first().map_or(0, Vec::len)];
+            groups.iter().for_each(|group| total.iter_mut().zip(group).for_each(|(t, x)| *t += x));
+            total
+        };
+        let mean = |group: usize| {
+            let pooled = Evidence::pooled(parts.iter().map(|groups| groups[group].as_slice()));
+            pooled.into_iter().map(|pixel| pixel.0).collect()
+        };
+        let groups = names.enumerate().map(|(index, name)| Group { name, pixels: mean(index) }).collect();
+        Self { replicas: parts.iter().map(sum).collect(), groups }
+    }
+}
+
+/// The method that a method is judged by: the first of bidirectional and path tracing that is another.
+pub fn reference_for(variant: &Variant, scene: &Path, wanted: &Variant) -> Result<Variant, Failure> {
+    let method = |variant: &Variant| Ok::<_, Failure>(options(variant, scene, &[])?.method());
+    if method(variant)? != method(wanted)? {
+        return Ok(wanted.clone());
+    }
+    let other = if method(wanted)? == Method::Bdpt { "pt" } else { "bdpt" };
+    other.parse().map_err(run_failure)
+}
+
+fn options(variant: &Variant, scene: &Path, words: &[String]) -> Result<RenderOptions, Failure> {
+    variant.render_options(scene, words).map_err(run_failure)
+}
+
+fn run_failure(message: String) -> Failure {
+    Failure::Run(anyhow::anyhow!(message))
+}
+
+/// Materials of meshes that emit, with their names.
+fn emitting_materials(description: &SceneDescription) -> Vec<(usize, String)> {
+    let used = |index: usize| description.meshes.iter().any(|mesh| mesh.material as usize == index);
+    let emits = |index: usize| description.materials[index].emission != Rgb::ZERO && used(index);
+    let all = 0..description.materials.len();
+    all.filter(|&index| emits(index)).map(|index| (index, description.materials[index].name.clone())).collect()
+}
+
+fn put_out_all_but(kept: &[usize], description: &mut SceneDescription) {
+    for (_, material) in description.materials.iter_mut().enumerate().filter(|(index, _)| !kept.contains(index)) {
+        material.emission = Rgb::ZERO;
+    }
+}
+
+fn nudge_lights(description: &mut SceneDescription) {
+    let size = mlt_scene::bounds(description).map_or(0.0, |[low, high]| low.distance(high));
+    let emitting: Vec<bool> = description.materials.iter().map(|m| m.emission != Rgb::ZERO).collect();
+    for mesh in description.meshes.iter_mut().filter(|mesh| emitting[mesh.material as usize]) {
+        mesh.positions.iter_mut().for_each(|p| *p += DVec3::X * (NUDGE * size));
+    }
+}

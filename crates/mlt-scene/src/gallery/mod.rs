@@ -1,0 +1,134 @@
+//! Hard scenes, made by code: what light transport methods are known to fail at, each small enough to be rendered many
+//! times over.
+//!
+//! The files below `scenes/stability`, `scenes/door-ajar` and `scenes/lights-200` are what [`Scene::write`] writes; one
+//! that is large is not stored.
+
+mod document;
+mod rooms;
+mod shapes;
+mod surfaces;
+
+use document::Document;
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+/// What a scene asks of a renderer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// An image.
+    Image,
+    /// A black image.
+    Black,
+    /// An error, since there is nothing to see by.
+    Refused,
+}
+
+/// A scene of the gallery.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// Its name, which is its folder's.
+    pub name: &'static str,
+    /// What is hard about it, in a few words.
+    pub stresses: &'static str,
+    /// What a right renderer makes of it.
+    pub outcome: Outcome,
+    /// The folder that keeps it, from the root of the repository; `None`: too large to be kept.
+    pub folder: Option<&'static str>,
+    files: fn() -> Vec<(&'static str, Vec<u8>)>,
+}
+
+impl Scene {
+    /// Its files, the scene file first.
+    pub fn files(&self) -> Vec<(&'static str, Vec<u8>)> {
+        (self.files)()
+    }
+
+    /// Writes its files into a folder, which has to exist; gives the scene file's path.
+    pub fn write(&self, folder: &Path) -> io::Result<PathBuf> {
+        let files = self.files();
+        for (name, content) in &files {
+            fs::write(folder.join(name), content)?;
+        }
+        Ok(folder.join(files.first().map_or("", |(name, _)| name)))
+    }
+}
+
+/// The scene of that name.
+pub fn find(name: &str) -> Option<&'static Scene> {
+    SCENES.iter().find(|scene| scene.name == name)
+}
+
+fn one(document: Document) -> Vec<(&'static str, Vec<u8>)> {
+    vec![("scene.gltf", document.text().into_bytes())]
+}
+
+macro_rules! scene {
+    ($name:literal, $stresses:literal, $make:expr) => {
+        scene!($name, $stresses, $make, Outcome::Image)
+    };
+    ($name:literal, $stresses:literal, $make:expr, $outcome:expr) => {
+        Scene {
+            name: $name,
+            stresses: $stresses,
+            outcome: $outcome,
+            folder: Some(concat!("scenes/stability/", $name)),
+            files: || one($make),
+        }
+    };
+}
+
+/// All scenes, the ordinary one first.
+pub const SCENES: &[Scene] = &[
+    scene!("plain", "nothing: the control", surfaces::plain()),
+    scene!("islands", "chains that never cross from one keyhole to the other", rooms::islands()),
+    Scene {
+        name: "door-ajar",
+        stresses: "all light comes through a gap of 3 cm",
+        outcome: Outcome::Image,
+        folder: Some("scenes/door-ajar"),
+        files: || vec![("door-ajar.gltf", rooms::door_ajar().text().into_bytes())],
+    },
+    Scene {
+        name: "caustic",
+        stresses: "light gathered by a ball of glass",
+        outcome: Outcome::Image,
+        folder: Some("scenes/caustic"),
+        files: || {
+            vec![
+                ("caustic.gltf", include_bytes!("../../../../scenes/caustic/caustic.gltf").to_vec()),
+                ("caustic.bin", include_bytes!("../../../../scenes/caustic/caustic.bin").to_vec()),
+            ]
+        },
+    },
+    scene!("pool", "light that goes through the water both ways", rooms::pool()),
+    scene!("occluded", "a sealed light a million times as strong as the one seen", rooms::occluded()),
+    Scene {
+        name: "confetti",
+        stresses: "100,000 emissive triangles",
+        outcome: Outcome::Image,
+        folder: None,
+        files: || one(rooms::confetti()),
+    },
+    Scene {
+        name: "lights-200",
+        stresses: "200 lights, powers from 1 to 500",
+        outcome: Outcome::Image,
+        folder: Some("scenes/lights-200"),
+        files: || vec![("lights-200.gltf", rooms::lights_200().text().into_bytes())],
+    },
+    scene!("gloss", "metals of roughness 0.05 to 0.001", surfaces::gloss()),
+    scene!("touching", "lights that touch the walls", surfaces::touching()),
+    scene!("tiny-and-huge", "a light a millionth of the room, a sky a thousand times it", surfaces::tiny_and_huge()),
+    scene!("duct", "no path of fewer than 12 edges", rooms::duct()),
+    scene!("scale-small", "the control in units of 10^-4", surfaces::scaled(1e-4)),
+    scene!("scale-large", "the control in units of 10^5", surfaces::scaled(1e5)),
+    scene!("offset", "the control, 10^5 of its sizes from the origin", surfaces::moved(1e5)),
+    scene!("broken", "the control in slivers, doubled, inside out", surfaces::broken()),
+    scene!("camera-in-glass", "the camera is inside a ball of glass", rooms::camera_in_glass()),
+    scene!("camera-on-light", "the camera is on the lamp", surfaces::camera_on_light()),
+    scene!("camera-sees-nothing", "the camera is turned away", surfaces::camera_sees_nothing(), Outcome::Black),
+    scene!("no-light", "no light", surfaces::no_light(), Outcome::Refused),
+];
