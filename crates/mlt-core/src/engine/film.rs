@@ -34,8 +34,12 @@ impl Sums {
         if value == 0.0 {
             return;
         }
-        self.first = self.first.saturating_add(quantise(value).saturating_mul(weight));
-        self.second = self.second.saturating_add(quantise(value * value).saturating_mul(weight));
+        let [first, second] = [quantise(value), quantise(value * value)];
+        // Most rounds count once, and a product that stays in its range is slow.
+        let [first, second] =
+            if weight == 1 { [first, second] } else { [first, second].map(|x| x.saturating_mul(weight)) };
+        self.first = self.first.saturating_add(first);
+        self.second = self.second.saturating_add(second);
     }
 }
 
