@@ -24,7 +24,7 @@ use std::ops::{ControlFlow, Range};
 /// How the image is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// Independent samples where they are better, Metropolis where it pays: see [`auto`](super::auto).
+    /// Independent samples where they are better, Metropolis where it pays: see [`auto`](mod@super::auto).
     Auto,
     /// Stratified Metropolis light transport in path space.
     #[default]
