@@ -30,7 +30,7 @@ pub struct BenchOptions {
     pub paper: bool,
 
     /// What to compare: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render'
-    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "mlt:none,mlt:4x4,bdpt,pt")]
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "auto,mlt:none,mlt:4x4,bdpt,pt")]
     pub methods: Vec<Variant>,
     /// Independent renders of each method and budget, with the seeds 1, 2, …
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=10_000))]
