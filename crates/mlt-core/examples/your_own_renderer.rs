@@ -6,7 +6,7 @@
 //!
 //!     cargo run --release -p mlt-core --no-default-features --example your_own_renderer [IMAGE.ppm]
 //!
-//! Source: [Kelemen02] (Metropolis over the numbers that a path is made from).
+//! Source: [KelemenSzirmayKalos02] (Metropolis over the numbers that a path is made from).
 
 use mlt_core::engine::{
     Film, Metropolis, Mixture, Mutation, Path, Pixel, Purpose, Share, Splat, Stratum, Tally, generator, render, uniform,
