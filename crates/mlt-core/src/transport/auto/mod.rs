@@ -133,6 +133,8 @@ const MUTATIONS_A_SAMPLE: u64 = 8;
 const ROUNDS: u64 = 4;
 /// Most parts of the lights, unless they are asked for.
 const LIGHT_PARTS: usize = 8;
+/// Least share of the power of a part that is asked for: the pilot measures each of them in every pixel.
+const LEAST_SHARE: f64 = 1.0 / 16.0;
 /// Number of the first round of the pilot's chains.
 const CHAIN_PILOT: u64 = PILOT + (1 << 40);
 
@@ -187,7 +189,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
     fn cut(&self) -> LightStrata {
         let lights = self.view.scene.lights();
         if !matches!(self.stratification, Stratification::None | Stratification::Auto) {
-            return LightStrata::new(lights, self.stratification);
+            return LightStrata::with_least_share(lights, self.stratification, LEAST_SHARE);
         }
         // Parts of one light hardly ever differ in what samples them best.
         let tree = LightTree::new(lights);
