@@ -9,13 +9,13 @@ use mlt_core::transport::{
     bdpt::{Bidirectional, MOST_EDGES},
     independent::{AllPaths, ImageSampler, Independent},
     kind::{Kind, LightEnd, PathEnd},
+    low_discrepancy::OwenSobol,
     path::View,
     region::LightRegion,
     render::Method,
     strata::Stratification::{Grid, None as Whole},
 };
 use proof_support::*;
-use rand_pcg::rand_core::Rng;
 use std::ops::Range;
 
 /// A pixel is a block of 32 × 32 of the reference's.
@@ -61,7 +61,7 @@ impl ImageSampler for BrightDirectLight<'_> {
         self.0.size()
     }
 
-    fn sample(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
         let pixels = f64::from(self.0.view.camera.pixels());
         self.0.sample_at(image, rng, &mut |path, density| {
             let error = if path.edges() == 2 { 1.02 } else { 1.0 };

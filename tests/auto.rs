@@ -68,8 +68,8 @@ fn every_way_to_share_path_space_out_gives_the_same_image() {
     let [direct, caustics] = [kinds(&[(2, false)]), kinds(&[(2, true), (3, true), (5, true), (9, true), (17, true)])];
     let [long, mixed] = [kinds(&[(5, false), (5, true), (9, false), (17, false)]), kinds(&[(3, false), (3, true)])];
     for (sampler, chained) in [
-        (Sampler::Path, [caustics, caustics]),
-        (Sampler::Path, [Kinds::NONE, long]),
+        (Sampler::Path { branches: 1 }, [caustics, caustics]),
+        (Sampler::Path { branches: 4 }, [Kinds::NONE, long]),
         (Sampler::Bidirectional, [mixed, direct]),
         (Sampler::Bidirectional, [Kinds::ALL, long.others()]),
     ] {
@@ -111,7 +111,10 @@ fn easy_light_is_left_to_path_tracing() {
         let camera = world.camera([32, 32]);
         let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, auto(Whole, 64.0));
         let decided = renderer.decision().expect("decided");
-        assert_eq!((decided.sampler, decided.chain_share), (Some(Sampler::Path), 0.0), "{name}");
+        assert!(
+            matches!(decided.sampler, Some(Sampler::Path { .. })) && decided.chain_share == 0.0,
+            "{name}: {decided:?}"
+        );
     }
 }
 

@@ -6,9 +6,11 @@ use crate::args::render::{Budget, Method, RenderOptions};
 
 /// Rounds of a render whose budget says nothing else.
 const ROUNDS: u64 = 16;
-/// Fewest rounds that a time budget aims at, and half of the most: few, since well-stratified samples gain from being many in
-/// a round, and enough to tell the error.
+/// Rounds of chains that a time budget aims at.
 const TIMED_ROUNDS: f64 = 16.0;
+/// Fewest rounds of samples that a time budget aims at, and half of the most: few, since well-stratified samples gain from
+/// being many in a round, but enough to tell the error.
+const FEWEST_ROUNDS: f64 = TRUSTED_ROUNDS as f64 + 1.0;
 /// Fewest rounds whose spread is trusted to end a render.
 pub(crate) const TRUSTED_ROUNDS: u64 = 8;
 /// Most mutations a pixel of a round that nobody asked for: what an interruption may cost.
@@ -62,8 +64,8 @@ impl Plan {
     /// The size of a round that suits the time, at `rate` mutations or samples a pixel and second.
     pub fn per_pixel_at(&self, rate: f64, time: Duration) -> f64 {
         let total = rate * time.as_secs_f64();
-        let ideal =
-            self.rounds.map_or((total / TIMED_ROUNDS).min(self.largest_round()), |rounds| total / rounds as f64);
+        let usual = if self.method.mutates() { TIMED_ROUNDS } else { FEWEST_ROUNDS };
+        let ideal = self.rounds.map_or((total / usual).min(self.largest_round()), |rounds| total / rounds as f64);
         match (self.method.mutates(), self.rounds) {
             (true, _) => ((ideal * PARTS).floor() / PARTS).max(1.0 / PARTS),
             (false, Some(_)) => ideal.floor().max(1.0),

@@ -10,6 +10,8 @@ use serde::Serialize;
 pub struct Decision {
     /// `pt` or `bdpt`; `None`: chains alone.
     pub independent: Option<&'static str>,
+    /// Walks of each sample that go on from the first surface.
+    pub branches: Option<u32>,
     /// Share of the work that chains get.
     pub chain_share: f64,
     /// Every part of path space.
@@ -37,8 +39,12 @@ pub struct Part {
 impl From<&Summary> for Decision {
     fn from(summary: &Summary) -> Self {
         let independent = summary.sampler.map(|sampler| match sampler {
-            Sampler::Path => "pt",
+            Sampler::Path { .. } => "pt",
             Sampler::Bidirectional => "bdpt",
+        });
+        let branches = summary.sampler.and_then(|sampler| match sampler {
+            Sampler::Path { branches } => Some(branches),
+            Sampler::Bidirectional => None,
         });
         let part = |part: &PartSummary| Part {
             light: part.light,
@@ -48,7 +54,8 @@ impl From<&Summary> for Decision {
             mlt: finite(part.chains),
             method: independent.filter(|_| !part.in_chains).unwrap_or("mlt"),
         };
-        Self { independent, chain_share: summary.chain_share, parts: summary.parts.iter().map(part).collect() }
+        let parts = summary.parts.iter().map(part).collect();
+        Self { independent, branches, chain_share: summary.chain_share, parts }
     }
 }
 
@@ -59,10 +66,16 @@ fn finite(x: f64) -> Option<f64> {
 impl fmt::Display for Decision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let share = 100.0 * self.chain_share;
+        let branches = match self.branches {
+            Some(branches @ 2..) => format!(" with {branches} branches"),
+            _ => String::new(),
+        };
         match self.independent {
             None => writeln!(f, "  auto            mlt alone"),
-            Some(method) if self.chain_share == 0.0 => writeln!(f, "  auto            {method} alone"),
-            Some(method) => writeln!(f, "  auto            {method}, and mlt with {share:.0} % of the work for"),
+            Some(method) if self.chain_share == 0.0 => writeln!(f, "  auto            {method}{branches} alone"),
+            Some(method) => {
+                writeln!(f, "  auto            {method}{branches}, and mlt with {share:.0} % of the work for")
+            }
         }?;
         let chained = self.parts.iter().filter(|part| part.method == "mlt" && part.mlt != Some(0.0));
         for part in chained.filter(|_| self.independent.is_some()) {

@@ -20,7 +20,7 @@ pub trait ImageSampler: Sync {
     /// Takes one sample through `image`, in [0, 1)², and shows `visit` its parts: the pixel, if it is not the one at
     /// `image`, and the radiance. Over uniform points of the image, their expected sum in a pixel is the pixel's radiance
     /// over the number of pixels.
-    fn sample(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd));
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd));
 }
 
 impl ImageSampler for PathTracer<'_> {
@@ -28,7 +28,7 @@ impl ImageSampler for PathTracer<'_> {
         self.view.camera.size()
     }
 
-    fn sample(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
         self.sample(image, rng, &mut |radiance, end| visit(None, radiance, end));
     }
 }
@@ -38,7 +38,7 @@ impl ImageSampler for Bidirectional<'_> {
         self.view.camera.size()
     }
 
-    fn sample(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
         self.sample_image(image, rng, visit);
     }
 }

@@ -28,6 +28,13 @@ impl OwenSobol {
         Self { seed, reversed_index: (index as u32).reverse_bits(), sets: 0, coordinates: [0; 4], drawn: 4 }
     }
 
+    /// The numbers of branch `i` of `branches` of this point: point `index` × `branches` + i of another sequence.
+    #[inline]
+    pub fn branch(&self, i: u32, branches: u32) -> Self {
+        let index = self.reversed_index.reverse_bits();
+        Self::new(mixed(self.seed ^ GOLDEN), u64::from(index) * u64::from(branches) + u64::from(i))
+    }
+
     #[inline]
     fn coordinate(&mut self) -> u32 {
         if self.drawn == 4 {
@@ -199,6 +206,15 @@ mod tests {
         for (mean, expected) in sums.into_iter().zip([0.5, 0.25, 0.25, 1.0 / 3.0]) {
             assert!((mean - expected).abs() < 4.0 * (7.0 / 144.0 / n as f64).sqrt(), "{sums:?}");
         }
+    }
+
+    #[test]
+    fn branches_of_all_points_are_one_sequence() {
+        let branch = |i| OwenSobol::new(7, i / 4).branch(i as u32 % 4, 4);
+        for columns in [4, 16, 256] {
+            assert!(occupancy(columns, 0, branch).iter().all(|&n| n == 1));
+        }
+        assert_ne!(branch(0).next_u32(), OwenSobol::new(7, 0).next_u32());
     }
 
     #[test]

@@ -28,12 +28,16 @@ pub fn square_to_disk(u: Vec2) -> Vec2 {
     if steep { d.yx() } else { d }
 }
 
-/// (cos φ, sin φ) for |φ| ≤ π/4, to 3·10⁻⁷, by their series: the same bits on every machine, and no call.
+/// (cos φ, sin φ) for |φ| ≤ π/4, to 3·10⁻⁷, by their series: the same bits on every machine, and no call. Halves of the
+/// sums do not wait for each other (Estrin's scheme).
 #[inline]
 pub(super) fn eighth_turn(angle: f32) -> Vec2 {
+    const COS: [f32; 3] = [1.0 / 24.0, 1.0 / 720.0, 1.0 / 40320.0];
+    const SIN: [f32; 4] = [1.0 / 6.0, 1.0 / 120.0, 1.0 / 5040.0, 1.0 / 362_880.0];
     let x2 = angle * angle;
-    let cos = 1.0 - x2 * (0.5 - x2 * (1.0 / 24.0 - x2 * (1.0 / 720.0 - x2 / 40320.0)));
-    let sin = angle * (1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 * (1.0 / 5040.0 - x2 / 362_880.0))));
+    let x4 = x2 * x2;
+    let cos = (1.0 - 0.5 * x2) + x4 * ((COS[0] - COS[1] * x2) + COS[2] * x4);
+    let sin = angle * ((1.0 - SIN[0] * x2) + x4 * ((SIN[1] - SIN[2] * x2) + SIN[3] * x4));
     Vec2::new(cos, sin)
 }
 

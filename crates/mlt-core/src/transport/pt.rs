@@ -7,6 +7,7 @@
 use super::Rgb;
 use super::kind::{Kind, LightEnd, PathEnd};
 use super::light::LightPoint;
+use super::low_discrepancy::OwenSobol;
 use super::path::View;
 use super::region::LightRegion;
 use super::surface::Sampled;
@@ -29,9 +30,12 @@ pub struct PathTracer<'a> {
     pub region: &'a LightRegion,
     /// Most edges of a path.
     pub max_edges: usize,
+    /// Walks that go on from the first surface; they share what arrives there.
+    pub branches: u32,
 }
 
 /// A path's end, as it grows from the camera.
+#[derive(Clone)]
 struct Walk {
     vertex: Vertex,
     to_eye: Vec3,
@@ -45,29 +49,43 @@ struct Walk {
 
 impl PathTracer<'_> {
     /// Takes one sample through a point of the image and shows `visit` its parts, whose expected sum is the radiance.
-    pub fn sample(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(DVec3, PathEnd)) {
+    pub fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let camera = self.view.camera.vertex();
         let direction = self.view.camera.direction(image);
         let Some(vertex) = self.view.scene.trace(&camera, direction) else { return };
-        let mut walk = Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf: None, edges: 1 };
-        loop {
-            if walk.vertex.emits {
-                let kind = Kind::new(walk.edges, walk.edges > 1 && walk.pdf.is_none());
-                let radiance = walk.throughput * self.emitted(&walk);
-                visit(radiance.as_dvec3(), PathEnd { kind, light: LightEnd::Met(&walk.vertex) });
-            }
-            if walk.edges >= self.max_edges {
-                break;
-            }
-            if !walk.vertex.delta
-                && let Some((direct, point)) = self.direct(&walk, rng)
-            {
-                let kind = Kind::new(walk.edges + 1, false);
-                visit((walk.throughput * direct).as_dvec3(), PathEnd { kind, light: LightEnd::Drawn(&point) });
-            }
-            if self.scatter(&mut walk, rng).is_none() {
-                break;
-            }
+        let walk = Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf: None, edges: 1 };
+        self.gather(&walk, rng, visit);
+        if self.branches == 1 {
+            self.go_on(walk, rng, visit);
+            return;
+        }
+        let share = 1.0 / f64::from(self.branches);
+        let mut visit = |radiance, end: PathEnd| visit(radiance * share, end);
+        (0..self.branches).for_each(|i| self.go_on(walk.clone(), &mut rng.branch(i, self.branches), &mut visit));
+    }
+
+    /// Grows the path until it ends.
+    #[inline]
+    fn go_on(&self, mut walk: Walk, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
+        while walk.edges < self.max_edges && self.scatter(&mut walk, rng).is_some() {
+            self.gather(&walk, rng, visit);
+        }
+    }
+
+    /// Shows the light that a path brings: what its end emits and what the lights send there.
+    #[inline]
+    fn gather(&self, walk: &Walk, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
+        if walk.vertex.emits {
+            let kind = Kind::new(walk.edges, walk.edges > 1 && walk.pdf.is_none());
+            let radiance = walk.throughput * self.emitted(walk);
+            visit(radiance.as_dvec3(), PathEnd { kind, light: LightEnd::Met(&walk.vertex) });
+        }
+        if walk.edges < self.max_edges
+            && !walk.vertex.delta
+            && let Some((direct, point)) = self.direct(walk, rng)
+        {
+            let kind = Kind::new(walk.edges + 1, false);
+            visit((walk.throughput * direct).as_dvec3(), PathEnd { kind, light: LightEnd::Drawn(&point) });
         }
     }
 

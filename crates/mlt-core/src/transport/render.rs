@@ -271,7 +271,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
                 self.primary(&strata, MULTIPLEXED_MUTATIONS_A_SAMPLE, run)
             }
             Method::Bidirectional => self.evenly(&Bidirectional { view, region: &self.whole, max_edges }, run),
-            Method::Path => self.evenly(&PathTracer { view, region: &self.whole, max_edges }, run),
+            Method::Path => self.evenly(&PathTracer { view, region: &self.whole, max_edges, branches: 1 }, run),
         }
     }
 
@@ -333,8 +333,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let (view, region, max_edges) = (self.view, &self.whole, plan.sampled_edges(self.max_edges()));
         match &plan.independent {
             None => self.chains(plan, run),
-            &Some((Sampler::Path, samples)) => {
-                self.mixture(plan, &PathTracer { view, region, max_edges }, samples, run)
+            &Some((Sampler::Path { branches }, samples)) => {
+                self.mixture(plan, &PathTracer { view, region, max_edges, branches }, samples, run)
             }
             &Some((Sampler::Bidirectional, samples)) => {
                 self.mixture(plan, &Bidirectional { view, region, max_edges }, samples, run)

@@ -112,7 +112,7 @@ pub(super) fn work_of<T: ImageSampler>(sampler: &T, seed: u64) -> f64 {
     let pixels = sampler.size().map(u64::from).iter().product();
     let of_pixel = |pixel| {
         let before = rays_traced();
-        let rng = &mut generator(seed, Purpose::Image, PILOT, 0, pixel);
+        let rng = &mut OwenSobol::new(generator(seed, Purpose::Image, PILOT, 0, pixel).next_u64(), 0);
         let image = point_in_pixel(pixel, sampler.size(), rng);
         sampler.sample(image, rng, &mut |_, _, _| {});
         rays_traced() - before

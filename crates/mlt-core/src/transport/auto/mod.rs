@@ -5,6 +5,7 @@
 //! what they cost; then one independent method samples the parts that it finds easy, and chains sample the rest.
 //! Every part is sampled by exactly one of them, so the sum is unbiased whatever the pilot found.
 
+mod candidates;
 mod decide;
 mod measure;
 mod parts;
@@ -23,24 +24,15 @@ use super::scene::rays_traced;
 use super::strata::{LightStrata, Stratification};
 use super::stratum::LightStratum;
 use crate::engine::{Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Share, Tally, allocate};
+use candidates::{Candidate, OF_A_LENGTH};
 use decide::{Costs, Decision, decide};
-use measure::{Measured, work_of};
-use parts::{LENGTHS, Parts};
+use measure::Measured;
+use parts::Parts;
 
+pub use candidates::Sampler;
 pub use parts::SomePaths;
 
-/// An independent method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sampler {
-    /// Path tracing.
-    Path,
-    /// Bidirectional path tracing.
-    Bidirectional,
-}
-
-/// Time of a ray of a bidirectional sample, with all that comes with it, over that in path tracing.
-const TIME_OF_A_BIDIRECTIONAL_RAY: f64 = 1.2;
-/// The same for a ray of chains.
+/// Time of a ray of chains, with all that comes with it, over that in path tracing.
 const TIME_OF_A_CHAINS_RAY: f64 = 1.2;
 
 /// How a render is made.
@@ -150,14 +142,6 @@ pub(super) struct Pilot<'a, I> {
     pub(super) per_pixel: f64,
 }
 
-/// An independent method that samples paths up to some length.
-struct Candidate {
-    sampler: Sampler,
-    max_edges: usize,
-    /// Time of a sample of these paths alone, in rays of path tracing.
-    work: f64,
-}
-
 impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
     /// Measures and decides.
     pub(super) fn run(&self) -> (Plan, PilotCounts) {
@@ -168,7 +152,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let camera = self.view.camera.with_size(self.size());
         let view = View { camera: &camera, ..self.view };
         let measured = self.independent(view, &parts);
-        let candidates = self.candidates(view);
+        let candidates = Candidate::all(view, self.max_edges, self.seed);
         let weights = weights(&measured, camera.size());
         let (chains, tally) = self.chains(view, &parts, &weights);
         let costs: Vec<_> =
@@ -176,7 +160,10 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let work: Vec<_> = candidates.iter().map(|candidate| candidate.work).collect();
         let decision = decide(&work, &costs);
         let budget = self.per_pixel * measured[0].work;
-        let samples = decision.independent.map_or(0.0, |m| good_number(budget, &decision, work[m]));
+        let samples = decision.independent.map_or(0.0, |m| match candidates[m].sampler {
+            Sampler::Path { branches: 1 } if decision.chain_share == 0.0 => self.per_pixel,
+            _ => good_number(budget, &decision, work[m]),
+        });
         let rest = budget - decision.independent.map_or(0.0, |m| samples * work[m]);
         let (chained, shares) = share_out(&parts, &decision, &chains, rest * f64::from(self.view.camera.pixels()));
         let independent = decision.independent.map(|m| (candidates[m].sampler, samples));
@@ -212,30 +199,9 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let samples = |n: f64| (n.max(1.0) as u64).next_power_of_two();
         let (path, bidirectional) = (samples(self.per_pixel), samples(self.per_pixel / PATHS));
         [
-            Measured::new(&PathTracer { view, region, max_edges }, parts, path, self.seed),
+            Measured::new(&PathTracer { view, region, max_edges, branches: 1 }, parts, path, self.seed),
             Measured::new(&Bidirectional { view, region, max_edges }, parts, bidirectional, self.seed),
         ]
-    }
-
-    /// Both methods, for paths of all lengths and for shorter ones.
-    fn candidates(&self, view: View) -> Vec<Candidate> {
-        let region = &LightRegion::whole(view.scene.lights());
-        let lengths = LENGTHS.iter().map(|[_, most]| *most);
-        let mut lengths: Vec<_> = lengths.filter(|&most| most < self.max_edges).collect();
-        lengths.push(self.max_edges);
-        let of = |max_edges| {
-            let path = work_of(&PathTracer { view, region, max_edges }, self.seed);
-            let bidirectional = work_of(&Bidirectional { view, region, max_edges }, self.seed);
-            [
-                Candidate { sampler: Sampler::Path, max_edges, work: path },
-                Candidate {
-                    sampler: Sampler::Bidirectional,
-                    max_edges,
-                    work: bidirectional * TIME_OF_A_BIDIRECTIONAL_RAY,
-                },
-            ]
-        };
-        lengths.into_iter().flat_map(of).collect()
     }
 
     /// What chains find in each part.
@@ -277,16 +243,20 @@ fn costs(
     let (pixels, weight) = (weights.len() as f64, weights.iter().sum::<f64>() / weights.len() as f64);
     let found = measured.each_ref().map(|m| m.energy(part));
     let certain = found.iter().map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
-    let error = |sampler: Sampler| {
-        let (m, [energy, _]) = (&measured[sampler as usize], found[sampler as usize]);
+    let error = |method: usize| {
+        let (m, [energy, _]) = (&measured[method], found[method]);
         // What N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
         let missed = weight * (0.5 * certain - energy).max(0.0).powi(2) * m.samples * pixels / 3.0;
         m.error(part, weights).max(missed)
     };
-    let longest = parts.group(part).most_edges(usize::MAX);
     let most = candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
-    let sampled = |c: &Candidate| if longest.min(most) <= c.max_edges { error(c.sampler) } else { f64::INFINITY };
-    let independent = candidates.iter().map(sampled).collect();
+    let longest = parts.group(part).most_edges(most);
+    let errors = [0, 1].map(error);
+    let of = |c: &Candidate| match c.scale(longest) {
+        scale if scale.is_finite() => scale * errors[usize::from(!c.is_path())],
+        scale => scale,
+    };
+    let independent = candidates.iter().map(of).collect();
     let chains = &chains[part];
     // Σ over pixels with a total of n mutations → mean over pixels with n mutations a pixel.
     let scale = pixels.powi(-2) * TIME_OF_A_CHAINS_RAY;
@@ -327,31 +297,26 @@ fn share_out(parts: &Parts, decision: &Decision, measures: &[Measure], work: f64
     (chained, shares)
 }
 
-/// Samples of each pixel in a round of so much work a pixel: about the independent method's share, but if it leaves some to
-/// chains, the first 2^k points of a sequence, which are much better spread than any other number of them.
+/// Samples of each pixel in a round of so much work a pixel: about the independent method's share, but the first 2^k points
+/// of a sequence, which are much better spread than any other number of them.
 fn good_number(budget: f64, decision: &Decision, work: f64) -> f64 {
     let ideal = (budget * (1.0 - decision.chain_share) / work).max(1.0);
-    if decision.chain_share == 0.0 {
-        return ideal;
-    }
     let lower = libm::exp2(libm::floor(libm::log2(ideal)));
     // Chains keep half of their share at least.
-    let room = 2.0 * lower * work <= budget * (1.0 - 0.5 * decision.chain_share);
+    let room = decision.chain_share == 0.0 || 2.0 * lower * work <= budget * (1.0 - 0.5 * decision.chain_share);
     if ideal > std::f64::consts::SQRT_2 * lower && room { 2.0 * lower } else { lower }
 }
 
 fn summary(parts: &Parts, decision: &Decision, costs: &[Costs], candidates: &[Candidate]) -> Summary {
     let groups = parts.groups.len();
-    // The last two candidates sample paths of all lengths.
-    let noise = |costs: &Costs, sampler: Sampler| {
-        let m = candidates.len() - 2 + sampler as usize;
-        costs.independent[m] * candidates[m].work
-    };
+    // Path tracing without branches and bidirectional path tracing, of paths of all lengths, are the first and the last.
+    let lengths = &candidates[candidates.len() - OF_A_LENGTH..];
+    let noise = |costs: &Costs, m: usize| costs.independent[candidates.len() - OF_A_LENGTH + m] * lengths[m].work;
     let part = |(i, costs): (usize, &Costs)| PartSummary {
         light: i / groups,
         kinds: parts.group(i),
-        path: noise(costs, Sampler::Path),
-        bidirectional: noise(costs, Sampler::Bidirectional),
+        path: noise(costs, 0),
+        bidirectional: noise(costs, OF_A_LENGTH - 1),
         chains: costs.chains,
         in_chains: decision.in_chains[i],
     };
