@@ -1,7 +1,7 @@
 //! Area lights, each with an area-preserving map from the unit square.
 
 use super::{Rgb, luminance};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 
 /// A point of a light: the light, and coordinates in the unit square that its surface is mapped from.
@@ -25,6 +25,31 @@ pub struct Light {
     /// Total area, scene units².
     pub area: f64,
     pub(super) shape: Shape,
+}
+
+/// A flat part of a light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// The part of the light's u that lies on it: begin and end.
+    pub(super) interval: [f64; 2],
+    /// Corner of its bounding box with the smallest coordinates.
+    pub(super) low: Vec3,
+    /// Corner with the largest ones.
+    pub(super) high: Vec3,
+    /// Unit normal of the front.
+    pub(super) normal: Vec3,
+}
+
+impl Piece {
+    fn new((begin, end): (f64, f64), corners: &[Vec3]) -> Self {
+        let [a, b, c] = [0, 1, 2].map(|i| corners[i].as_dvec3());
+        Self {
+            interval: [begin, end],
+            low: corners.iter().copied().fold(Vec3::INFINITY, Vec3::min),
+            high: corners.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max),
+            normal: (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3(),
+        }
+    }
 }
 
 /// How the unit square lies on the surface.
@@ -68,6 +93,18 @@ impl Light {
     /// M × area.
     pub fn power(&self) -> f64 {
         self.exitance() * self.area
+    }
+
+    /// Its parallelogram or its triangles, in the order of their numbers.
+    pub(super) fn pieces(&self) -> Vec<Piece> {
+        match &self.shape {
+            &Shape::Parallelogram { origin, edges: [e, f], .. } => {
+                vec![Piece::new((0.0, 1.0), &[origin, origin + e, origin + f, origin + e + f])]
+            }
+            Shape::Triangles { cumulative, vertices, .. } => {
+                vertices.iter().enumerate().map(|(i, corners)| Piece::new(interval(cumulative, i), corners)).collect()
+            }
+        }
     }
 
     /// Its centre of mass.

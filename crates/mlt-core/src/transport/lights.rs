@@ -40,6 +40,13 @@ impl Lights {
         self.lights.get(self.of_primitive[primitive as usize].0 as usize)
     }
 
+    /// The light of a triangle that emits, and its number within it.
+    #[inline]
+    pub(super) fn number(&self, primitive: u32) -> Option<(u32, u32)> {
+        let number = self.of_primitive[primitive as usize];
+        (number.0 != NONE).then_some(number)
+    }
+
     /// The light point at `position` of a triangle that emits.
     pub fn point(&self, primitive: u32, position: Vec3) -> Option<LightPoint> {
         let (light, index) = self.of_primitive[primitive as usize];

@@ -23,6 +23,7 @@ pub mod math;
 pub mod mesh;
 mod mis;
 pub mod mutate;
+pub mod next_event;
 pub mod path;
 pub mod primary;
 pub mod pt;

@@ -8,8 +8,8 @@ use super::Rgb;
 use super::kind::{Kind, LightEnd, PathEnd};
 use super::light::LightPoint;
 use super::low_discrepancy::OwenSobol;
+use super::next_event::NextEvent;
 use super::path::View;
-use super::region::LightRegion;
 use super::surface::Sampled;
 use super::vertex::Vertex;
 use crate::engine::{uniform, uniform_f32};
@@ -26,8 +26,8 @@ const SURVIVAL: (f32, f32) = (0.05, 0.95);
 pub struct PathTracer<'a> {
     /// Scene and camera.
     pub view: View<'a>,
-    /// The lights that are sampled: all of them.
-    pub region: &'a LightRegion,
+    /// Draws points of the lights.
+    pub next_event: &'a NextEvent,
     /// Most edges of a path.
     pub max_edges: usize,
     /// Walks that go on from the first surface; they share what arrives there.
@@ -44,6 +44,8 @@ struct Walk {
     /// Density per solid angle of the step to `vertex`, over the squared length of the step; `None` if it came from the
     /// camera or by a delta BSDF.
     pdf: Option<f32>,
+    /// Where that step began.
+    before: Vertex,
     edges: usize,
 }
 
@@ -53,7 +55,7 @@ impl PathTracer<'_> {
         let camera = self.view.camera.vertex();
         let direction = self.view.camera.direction(image);
         let Some(vertex) = self.view.scene.trace(&camera, direction) else { return };
-        let walk = Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf: None, edges: 1 };
+        let walk = Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf: None, before: camera, edges: 1 };
         self.gather(&walk, rng, visit);
         if self.branches == 1 {
             self.go_on(walk, rng, visit);
@@ -93,10 +95,10 @@ impl PathTracer<'_> {
     fn emitted(&self, walk: &Walk) -> Rgb {
         let scene = self.view.scene;
         let emitted = scene.emitted(&walk.vertex, walk.to_eye);
-        match (walk.pdf, scene.lights().of(walk.vertex.primitive)) {
-            (Some(pdf), Some(light)) if emitted != Rgb::ZERO => {
+        match (walk.pdf, scene.lights().number(walk.vertex.primitive)) {
+            (Some(pdf), Some(number)) if emitted != Rgb::ZERO => {
                 let cos = walk.vertex.geometric_normal.dot(walk.to_eye).abs();
-                emitted * power_heuristic(pdf * cos, (light.exitance() / self.region.power()) as f32)
+                emitted * power_heuristic(pdf * cos, self.next_event.density(&walk.before, number) as f32)
             }
             _ => emitted,
         }
@@ -106,8 +108,8 @@ impl PathTracer<'_> {
     #[inline]
     fn direct(&self, walk: &Walk, rng: &mut impl Rng) -> Option<(Rgb, LightPoint)> {
         let scene = self.view.scene;
-        let point = self.region.sample(uniform(rng), f64::from(uniform_f32(rng)));
-        let (light, source) = scene.light_point(&point);
+        let (point, density) = self.next_event.sample(&walk.vertex, uniform(rng), f64::from(uniform_f32(rng)));
+        let (source, density) = (scene.light_point(&point).1, density as f32);
         let step = source.position - walk.vertex.position;
         let square = step.length_squared();
         let to_light = step / square.sqrt();
@@ -120,7 +122,6 @@ impl PathTracer<'_> {
             return None;
         }
         let cos = source.geometric_normal.dot(to_light).abs() / square;
-        let density = (light.exitance() / self.region.power()) as f32;
         let geometric = walk.vertex.geometric_normal.dot(to_light).abs() * cos;
         let weight = geometric / density * power_heuristic(density, found.pdf_to_light * cos);
         Some((emitted * found.value * weight, point))
@@ -143,7 +144,7 @@ impl PathTracer<'_> {
         let vertex = scene.trace(&walk.vertex, direction)?;
         let square = vertex.position.distance_squared(walk.vertex.position);
         walk.pdf = (!walk.vertex.delta).then_some(pdf / square);
-        walk.vertex = vertex;
+        walk.before = std::mem::replace(&mut walk.vertex, vertex);
         walk.to_eye = -direction;
         walk.edges += 1;
         Some(())

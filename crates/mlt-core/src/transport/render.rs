@@ -7,6 +7,7 @@ use super::classes::Classes;
 use super::importance::{PixelImportance, Target};
 use super::independent::{AllPaths, ImageSampler, Independent, SampleTally};
 use super::mutate::PathMutation;
+use super::next_event::NextEvent;
 use super::path::{LightPath, View};
 use super::primary::{AllConnections, Multiplexed, Part, Techniques};
 use super::pt::PathTracer;
@@ -97,6 +98,7 @@ pub struct Renderer<'a, I = PixelImportance> {
     strata: LightStrata,
     shares: Vec<Share>,
     whole: LightRegion,
+    next_event: NextEvent,
     pilot: PilotCounts,
     plan: Option<Plan>,
 }
@@ -157,7 +159,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let strata = LightStrata::new(lights, Stratification::None);
         let whole = LightRegion::whole(lights);
         let (shares, pilot) = (Vec::new(), PilotCounts::default());
-        let mut renderer = Self { view, settings, importance, strata, shares, whole, pilot, plan: None };
+        let next_event = NextEvent::new(lights);
+        let mut renderer = Self { view, settings, importance, strata, shares, whole, next_event, pilot, plan: None };
         match renderer.settings.method {
             Method::Auto => renderer.plan(),
             Method::Metropolis => renderer.adapt(),
@@ -183,7 +186,9 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     fn plan(&mut self) {
         let Settings { stratification, seed, per_pixel, .. } = self.settings;
         let (view, max_edges, importance) = (self.view, self.max_edges(), &self.importance);
-        let (plan, pilot) = auto::Pilot { view, importance, stratification, max_edges, seed, per_pixel }.run();
+        let (plan, pilot) =
+            auto::Pilot { view, importance, next_event: &self.next_event, stratification, max_edges, seed, per_pixel }
+                .run();
         (self.plan, self.pilot) = (Some(plan), pilot);
     }
 
@@ -271,7 +276,9 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
                 self.primary(&strata, MULTIPLEXED_MUTATIONS_A_SAMPLE, run)
             }
             Method::Bidirectional => self.evenly(&Bidirectional { view, region: &self.whole, max_edges }, run),
-            Method::Path => self.evenly(&PathTracer { view, region: &self.whole, max_edges, branches: 1 }, run),
+            Method::Path => {
+                self.evenly(&PathTracer { view, next_event: &self.next_event, max_edges, branches: 1 }, run)
+            }
         }
     }
 
@@ -333,9 +340,12 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let (view, region, max_edges) = (self.view, &self.whole, plan.sampled_edges(self.max_edges()));
         match &plan.independent {
             None => self.chains(plan, run),
-            &Some((Sampler::Path { branches }, samples)) => {
-                self.mixture(plan, &PathTracer { view, region, max_edges, branches }, samples, run)
-            }
+            &Some((Sampler::Path { branches }, samples)) => self.mixture(
+                plan,
+                &PathTracer { view, next_event: &self.next_event, max_edges, branches },
+                samples,
+                run,
+            ),
             &Some((Sampler::Bidirectional, samples)) => {
                 self.mixture(plan, &Bidirectional { view, region, max_edges }, samples, run)
             }

@@ -3,6 +3,7 @@
 use super::measure::work_of;
 use super::parts::LENGTHS;
 use crate::transport::bdpt::Bidirectional;
+use crate::transport::next_event::NextEvent;
 use crate::transport::path::View;
 use crate::transport::pt::PathTracer;
 use crate::transport::region::LightRegion;
@@ -39,11 +40,11 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// All methods, for paths of all lengths and for shorter ones.
-    pub(super) fn all(view: View, max_edges: usize, seed: u64) -> Vec<Self> {
+    pub(super) fn all(view: View, next_event: &NextEvent, max_edges: usize, seed: u64) -> Vec<Self> {
         let region = &LightRegion::whole(view.scene.lights());
         let lengths = LENGTHS.iter().map(|[_, most]| *most).filter(|&most| most < max_edges);
         let of_length = |max_edges| {
-            let path = |branches| work_of(&PathTracer { view, region, max_edges, branches }, seed);
+            let path = |branches| work_of(&PathTracer { view, next_event, max_edges, branches }, seed);
             let bidirectional = Self {
                 sampler: Sampler::Bidirectional,
                 max_edges,

@@ -16,6 +16,7 @@ use super::blur::blurred;
 use super::kind::Kinds;
 use super::light_tree::LightTree;
 use super::mutate::PathMutation;
+use super::next_event::NextEvent;
 use super::path::{LightPath, View};
 use super::pt::PathTracer;
 use super::region::LightRegion;
@@ -134,6 +135,7 @@ const CHAIN_PILOT: u64 = PILOT + (1 << 40);
 pub(super) struct Pilot<'a, I> {
     pub(super) view: View<'a>,
     pub(super) importance: &'a I,
+    pub(super) next_event: &'a NextEvent,
     /// How the lights are cut; `None` leaves it to the pilot.
     pub(super) stratification: Stratification,
     pub(super) max_edges: usize,
@@ -152,7 +154,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let camera = self.view.camera.with_size(self.size());
         let view = View { camera: &camera, ..self.view };
         let measured = self.independent(view, &parts);
-        let candidates = Candidate::all(view, self.max_edges, self.seed);
+        let candidates = Candidate::all(view, self.next_event, self.max_edges, self.seed);
         let weights = weights(&measured, camera.size());
         let (chains, tally) = self.chains(view, &parts, &weights);
         let costs: Vec<_> =
@@ -199,7 +201,12 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let samples = |n: f64| (n.max(1.0) as u64).next_power_of_two();
         let (path, bidirectional) = (samples(self.per_pixel), samples(self.per_pixel / PATHS));
         [
-            Measured::new(&PathTracer { view, region, max_edges, branches: 1 }, parts, path, self.seed),
+            Measured::new(
+                &PathTracer { view, next_event: self.next_event, max_edges, branches: 1 },
+                parts,
+                path,
+                self.seed,
+            ),
             Measured::new(&Bidirectional { view, region, max_edges }, parts, bidirectional, self.seed),
         ]
     }
