@@ -1,6 +1,6 @@
-//! Rays of four kinds, and rays per second of several tracers on each, in turns.
+//! Rays of four kinds, and rays per CPU-second of several tracers on each, in turns.
 
-use crate::contest::{self, Contest};
+use crate::contest::{median, median_ratio, take_turns};
 use crate::stage::{Eye, Stage};
 use crate::tracer::Tracer;
 use glam::{Vec2, Vec3};
@@ -94,7 +94,7 @@ fn shadow(stage: &Stage, accel: &Accel, ray: &Ray, rng: &mut Pcg32) -> Option<Ra
 
 /// One scene and kind of ray.
 pub struct Cell {
-    /// Rays per second of our accelerator.
+    /// Rays per CPU-second of our accelerator.
     pub rate: f64,
     /// Ours over each other tracer's, the median over the slices.
     pub ratios: Vec<f64>,
@@ -115,11 +115,11 @@ pub fn compare(kind: Kind, rays: &[Ray], ours: &Accel, others: &[&dyn Tracer]) -
         let difference = count(*other).abs_diff(hits);
         assert!(difference <= rays.len() / 1000, "tracer {i}: {difference} of {} hits differ", rays.len());
     }
-    let times = Contest { slices: SLICES, clock: contest::wall }.run(tracers.len(), |i| {
+    let times = take_turns(tracers.len(), SLICES, |i| {
         std::hint::black_box(count(tracers[i]));
     });
-    let ratios = times[1..].iter().map(|theirs| contest::median_ratio(theirs, &times[0])).collect();
-    Cell { rate: rays.len() as f64 / contest::median(&times[0]), ratios }
+    let ratios = times[1..].iter().map(|theirs| median_ratio(theirs, &times[0], |time| time.cpu)).collect();
+    Cell { rate: rays.len() as f64 / median(times[0].iter().map(|time| time.cpu)), ratios }
 }
 
 /// The geometric mean.
