@@ -4,7 +4,7 @@ use rustix::time::{ClockId, clock_gettime};
 use std::time::Instant;
 
 /// How long a turn took.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Time {
     /// Seconds on the clock.
     pub wall: f64,
@@ -20,12 +20,12 @@ fn cpu() -> f64 {
 /// Gives each of `n` contestants a turn to warm up and then `slices` turns, another one first each time; the times of each.
 pub fn take_turns(n: usize, slices: usize, mut turn: impl FnMut(usize)) -> Vec<Vec<Time>> {
     (0..n).for_each(&mut turn);
-    let mut times = vec![vec![Time::default(); slices]; n];
+    let mut times = vec![Vec::with_capacity(slices); n];
     for slice in 0..slices {
         for i in (0..n).map(|k| (k + slice) % n) {
             let (start, start_cpu) = (Instant::now(), cpu());
             turn(i);
-            times[i][slice] = Time { cpu: cpu() - start_cpu, wall: start.elapsed().as_secs_f64() };
+            times[i].push(Time { cpu: cpu() - start_cpu, wall: start.elapsed().as_secs_f64() });
         }
     }
     times

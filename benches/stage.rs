@@ -91,7 +91,7 @@ pub fn blob(n: usize, centre: Vec3, radius: f32) -> Vec<[Vec3; 3]> {
     let point = |i: usize, j: usize| {
         let (theta, phi) = (PI * i as f32 / n as f32, TAU * (j % (2 * n)) as f32 / (2 * n) as f32);
         // At a pole all are one point, to the bit: else the surface would have a hole there.
-        let ring = if i % n == 0 { 0.0 } else { theta.sin() };
+        let ring = if i.is_multiple_of(n) { 0.0 } else { theta.sin() };
         let direction = Vec3::new(ring * phi.cos(), theta.cos(), ring * phi.sin());
         centre + radius * (1.0 + 0.2 * (5.0 * theta).sin() * (3.0 * phi).cos()) * direction
     };

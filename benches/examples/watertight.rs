@@ -33,7 +33,7 @@ impl Closed {
     /// From near the centre to a vertex or to a point of an edge.
     fn ray(&self, rng: &mut Pcg32) -> Ray {
         let [a, b, _] = self.triangles[rng.next_u32() as usize % self.triangles.len()];
-        let target = if rng.next_u32() % 2 == 0 { a } else { a.lerp(b, uniform(rng)) };
+        let target = if uniform(rng) < 0.5 { a } else { a.lerp(b, uniform(rng)) };
         let near_centre = Vec3::from_array([0; 3].map(|_| 0.2 * uniform(rng) - 0.1));
         let origin = place(near_centre, self.scale, self.offset);
         Ray::new(origin, target - origin)
