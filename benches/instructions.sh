@@ -2,22 +2,26 @@
 # Counts the instructions of one small render with each method and compares them with benches/instructions.txt.
 #
 #   benches/instructions.sh            fails where a count is more than 5 % above the stored one, or below it
-#   benches/instructions.sh --update   stores what it counts
+#   benches/instructions.sh --update   stores what it counts, with the compiler's version
 #
-# Counts do not depend on what else the machine does. They do depend on the compiler, so a new one may need an update. Needs
-# valgrind and a processor with AVX2; without either, it says so and passes.
+# Counts do not depend on what else the machine does. They do depend on the compiler, and need valgrind and a processor with
+# AVX2: without the compiler of the stored counts, or one of these, it says so and passes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 stored=benches/instructions.txt
 tolerance=5
 
-if ! command -v valgrind >/dev/null; then
-    echo "instruction counts: SKIPPED, valgrind is not installed" >&2
+skip() {
+    echo "INSTRUCTION COUNTS SKIPPED: $1." >&2
     exit 0
-fi
-if ! grep -qw avx2 /proc/cpuinfo 2>/dev/null; then
-    echo "instruction counts: SKIPPED, the processor has no AVX2, for which the counts are" >&2
-    exit 0
+}
+
+compiler=$(rustc --version)
+counted_with=$(sed -n 's/^# compiler: //p' "$stored")
+command -v valgrind >/dev/null || skip "valgrind is not installed"
+grep -qw avx2 /proc/cpuinfo 2>/dev/null || skip "the processor has no AVX2, for which the stored counts are"
+if [[ ${1:-} != --update && $compiler != "$counted_with" ]]; then
+    skip "the compiler is $compiler, the stored counts are of $counted_with; benches/instructions.sh --update stores new ones"
 fi
 
 cargo build --quiet --release -p mlt-benches --example fixed_render
@@ -35,7 +39,8 @@ done)
 
 if [[ ${1:-} == --update ]]; then
     {
-        echo "# Instructions of examples/fixed_render, start-up left out; $(rustc --version)"
+        echo "# Instructions of examples/fixed_render, start-up left out."
+        echo "# compiler: $compiler"
         echo "$counts"
     } >"$stored"
     cat "$stored"

@@ -1,5 +1,11 @@
 //! What the benchmarks share.
 
+pub mod contest;
+pub mod embree;
+pub mod rays;
+pub mod stage;
+pub mod tracer;
+
 use mlt_core::transport::camera::Camera;
 use mlt_core::transport::path::View;
 use mlt_core::transport::render::{Method, Settings};

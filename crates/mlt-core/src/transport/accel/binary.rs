@@ -43,20 +43,40 @@ impl BinaryNode {
 /// that no plane separates, on which it takes quadratic time.
 pub fn usable(triangles: &[[Vec3; 3]]) -> Vec<u32> {
     let in_range = |t: &[Vec3; 3]| t.iter().all(|v| v.abs().cmple(Vec3::splat(MAX_COORDINATE)).all());
+    let key = |t: &[Vec3; 3]| hash(&vertex_set(t));
     let mut keyed: Vec<_> =
-        triangles.par_iter().enumerate().filter(|(_, t)| in_range(t)).map(|(i, t)| (vertex_set(t), i as u32)).collect();
+        triangles.par_iter().enumerate().filter(|(_, t)| in_range(t)).map(|(i, t)| (key(t), i as u32)).collect();
     keyed.par_sort_unstable();
-    keyed.dedup_by_key(|(key, _)| *key);
-    let mut indices: Vec<u32> = keyed.into_iter().map(|(_, index)| index).collect();
+    let mut indices = Vec::with_capacity(keyed.len());
+    for same in keyed.chunk_by(|a, b| a.0 == b.0) {
+        match same {
+            &[(_, alone)] => indices.push(alone),
+            _ => indices.extend(first_of_repeats(triangles, same)),
+        }
+    }
     indices.par_sort_unstable();
     indices
 }
 
-/// The vertices' bits in an order of their own, so that equal sets have equal keys; adding zero makes −0 a +0.
+/// Of the triangles that have the same hash, the first with each set of vertices.
+fn first_of_repeats(triangles: &[[Vec3; 3]], keyed: &[(u64, u32)]) -> impl Iterator<Item = u32> {
+    let mut sets: Vec<_> = keyed.iter().map(|&(_, i)| (vertex_set(&triangles[i as usize]), i)).collect();
+    sets.sort_unstable();
+    sets.dedup_by_key(|(set, _)| *set);
+    sets.into_iter().map(|(_, index)| index)
+}
+
+/// The vertices' bits in an order of their own, so that equal sets have equal bits; adding zero makes −0 a +0.
 fn vertex_set(triangle: &[Vec3; 3]) -> [[u32; 3]; 3] {
     let mut key = triangle.map(|v| (v + Vec3::ZERO).to_array().map(f32::to_bits));
     key.sort_unstable();
     key
+}
+
+/// Seldom the same for different sets.
+fn hash(set: &[[u32; 3]; 3]) -> u64 {
+    let mix = |hash: u64, &bits: &u32| (hash ^ u64::from(bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+    set.iter().flatten().fold(0, mix)
 }
 
 struct Bounded<'a>(&'a [Vec3; 3]);
@@ -77,11 +97,11 @@ pub fn build(triangles: &[[Vec3; 3]], indices: &[u32], quality: Quality) -> Vec<
     };
     // One triangle a leaf: the collapse decides how many share a leaf. Splitting triangles gains nothing measurable.
     let params = BvhBuildParams { max_prims_per_leaf: 1, pre_split: false, ..preset };
-    let bounded: Vec<_> = indices.iter().map(|&i| Bounded(&triangles[i as usize])).collect();
+    let bounded: Vec<_> = indices.par_iter().map(|&i| Bounded(&triangles[i as usize])).collect();
     let bvh = build_bvh2(&bounded, params, &mut Duration::default());
     let original = |slot: u32| indices[bvh.primitive_indices[slot as usize] as usize];
     bvh.nodes
-        .iter()
+        .par_iter()
         .map(|node| BinaryNode {
             min: node.aabb().min.into(),
             max: node.aabb().max.into(),

@@ -15,6 +15,8 @@
 use super::binary::{BinaryNode, Content};
 use super::wide::{Child, Node, TriangleBlock, WIDTH, WideTree};
 use glam::Vec3;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Cost of testing eight boxes.
 const NODE_COST: f32 = 1.0;
@@ -34,25 +36,14 @@ enum Choice {
     Split([u8; 2]),
 }
 
-/// C(n, m) and the choice that reaches it.
-#[derive(Clone, Copy)]
-struct Plan {
-    cost: f32,
-    choice: Choice,
-}
-
-/// Plans for one binary node: entry m − 1 is for at most m boxes.
-type Plans = [Plan; WIDTH - 1];
-
 /// Folds the binary tree `binary` over `triangles`.
 pub fn collapse(binary: &[BinaryNode], triangles: &[[Vec3; 3]]) -> WideTree {
-    let plans = plan(binary);
-    let mut folding = Folding { binary, triangles, plans: &plans, tree: WideTree::empty() };
-    if let Some(root) = binary.first() {
-        folding.tree.max_coordinate = root.min.abs().max(root.max.abs()).max_element();
-        folding.tree.depth = folding.fold();
-    }
-    folding.tree
+    let Some(root) = binary.first() else { return WideTree::empty() };
+    let plan = Plan::new(binary);
+    let folding = Folding { binary, plan: &plan, nodes: vec![Node::EMPTY], slots: Vec::new(), below: Vec::new() };
+    let (nodes, slots, depth) = folding.fold();
+    let blocks = slots.par_chunks(WIDTH).map(|primitives| TriangleBlock::new(primitives, triangles)).collect();
+    WideTree { nodes, blocks, depth, max_coordinate: root.min.abs().max(root.max.abs()).max_element() }
 }
 
 impl WideTree {
@@ -62,80 +53,134 @@ impl WideTree {
     }
 }
 
-/// The plans of every binary node, children before parents.
-fn plan(binary: &[BinaryNode]) -> Vec<Plans> {
-    let mut plans = vec![[Plan { cost: f32::INFINITY, choice: Choice::Leaf }; WIDTH - 1]; binary.len()];
-    let mut counts = vec![1u32; binary.len()];
-    for &n in parents_first(binary).iter().rev() {
-        let area = binary[n].half_area();
-        let Content::Children(first) = binary[n].content else {
-            plans[n] = [Plan { cost: area * BLOCK_COST, choice: Choice::Leaf }; WIDTH - 1];
-            continue;
-        };
-        let (left, right) = (first as usize, first as usize + 1);
-        counts[n] = counts[left] + counts[right];
-        let leaf = match counts[n] <= MAX_LEAF {
-            true => area * BLOCK_COST * counts[n].div_ceil(WIDTH as u32) as f32,
+/// Levels whose two halves are planned in parallel; the rest of a branch is one task.
+const PARALLEL_LEVELS: usize = 10;
+
+/// C(n, m) for m from 1 on, and N(n).
+#[derive(Clone, Copy)]
+struct Costs {
+    boxes: [f32; WIDTH - 1],
+    triangles: u32,
+}
+
+/// The choices for every binary node, eight bytes each: those for at most m boxes are in byte m − 1.
+///
+/// Byte 0 is the left child's share of a wide node's boxes; 0 is a leaf. Byte m − 1 is the left child's share of m boxes; 0
+/// is the same choice as for m − 1. Atomic, so that tasks can write without order: each node is one task's.
+struct Plan<'a> {
+    binary: &'a [BinaryNode],
+    choices: Vec<AtomicU64>,
+}
+
+impl<'a> Plan<'a> {
+    /// The least costs and their choices, children before parents.
+    fn new(binary: &'a [BinaryNode]) -> Self {
+        let choices = (0..binary.len()).into_par_iter().map(|_| AtomicU64::new(0)).collect();
+        let plan = Self { binary, choices };
+        plan.subtree(0, 0);
+        plan
+    }
+
+    /// Plans what is at and below `n`, at some depth.
+    fn subtree(&self, n: usize, depth: usize) -> Costs {
+        match self.binary[n].content {
+            Content::Children(first) if depth < PARALLEL_LEVELS => {
+                let first = first as usize;
+                let (left, right) =
+                    rayon::join(|| self.subtree(first, depth + 1), || self.subtree(first + 1, depth + 1));
+                self.inner(n, &left, &right)
+            }
+            _ => self.subtree_in_turn(n),
+        }
+    }
+
+    /// The same by one task; no recursion, for a tree over bad input can be as deep as it has nodes.
+    fn subtree_in_turn(&self, n: usize) -> Costs {
+        // (binary node, whether its children are in `planned`)
+        let mut pending = vec![(n, false)];
+        let mut planned = Vec::new();
+        while let Some((n, children_planned)) = pending.pop() {
+            match self.binary[n].content {
+                Content::Triangle(_) => planned.push(self.triangle(n)),
+                Content::Children(first) if !children_planned => {
+                    pending.extend([(n, true), (first as usize + 1, false), (first as usize, false)]);
+                }
+                Content::Children(_) => {
+                    let (right, left) = (planned.pop(), planned.pop());
+                    planned.extend(left.zip(right).map(|(left, right)| self.inner(n, &left, &right)));
+                }
+            }
+        }
+        planned[0]
+    }
+
+    fn triangle(&self, n: usize) -> Costs {
+        Costs { boxes: [self.binary[n].half_area() * BLOCK_COST; WIDTH - 1], triangles: 1 }
+    }
+
+    /// Plans a binary node from its children's costs.
+    fn inner(&self, n: usize, left: &Costs, right: &Costs) -> Costs {
+        let area = self.binary[n].half_area();
+        let triangles = left.triangles + right.triangles;
+        let leaf = match triangles <= MAX_LEAF {
+            true => area * BLOCK_COST * triangles.div_ceil(WIDTH as u32) as f32,
             false => f32::INFINITY,
         };
-        plans[n] = plan_inner(leaf, area * NODE_COST, &plans[left], &plans[right]);
+        let (below, share) = best_share(WIDTH, left, right);
+        let node = area * NODE_COST + below;
+        let mut shares = [0; 8];
+        let mut boxes = [leaf; WIDTH - 1];
+        if node < leaf || triangles > MAX_LEAF {
+            (boxes[0], shares[0]) = (node, share);
+        }
+        for m in 2..WIDTH {
+            let (cost, share) = best_share(m, left, right);
+            boxes[m - 1] = boxes[m - 2];
+            if cost < boxes[m - 2] {
+                (boxes[m - 1], shares[m - 1]) = (cost, share);
+            }
+        }
+        self.choices[n].store(u64::from_le_bytes(shares), Relaxed);
+        Costs { boxes, triangles }
     }
-    plans
+
+    /// How `n` is best stood for by at most `m` boxes.
+    fn choice(&self, n: usize, m: u8) -> Choice {
+        let shares = self.choices[n].load(Relaxed).to_le_bytes();
+        match (1..m).rev().find(|&i| shares[i as usize] != 0) {
+            Some(i) => Choice::Split([shares[i as usize], i + 1 - shares[i as usize]]),
+            None if shares[0] == 0 => Choice::Leaf,
+            None => Choice::Inner([shares[0], WIDTH as u8 - shares[0]]),
+        }
+    }
 }
 
-/// Plans of a binary node from its children's.
-fn plan_inner(leaf: f32, node: f32, left: &Plans, right: &Plans) -> Plans {
-    let (below, shares) = best_shares(WIDTH, left, right);
-    let one = match leaf <= node + below {
-        true => Plan { cost: leaf, choice: Choice::Leaf },
-        false => Plan { cost: node + below, choice: Choice::Inner(shares) },
-    };
-    let mut plans = [one; WIDTH - 1];
-    for m in 2..WIDTH {
-        let (cost, shares) = best_shares(m, left, right);
-        plans[m - 1] =
-            if cost < plans[m - 2].cost { Plan { cost, choice: Choice::Split(shares) } } else { plans[m - 2] };
-    }
-    plans
-}
-
-/// The least C(left, i) + C(right, j) over i + j = m, and (i, j).
-fn best_shares(m: usize, left: &Plans, right: &Plans) -> (f32, [u8; 2]) {
-    let mut best = (f32::INFINITY, [1, (m - 1) as u8]);
+/// The least C(left, i) + C(right, j) over i + j = m, and i.
+fn best_share(m: usize, left: &Costs, right: &Costs) -> (f32, u8) {
+    let mut best = (f32::INFINITY, 1);
     for i in 1..m {
-        let cost = left[i - 1].cost + right[m - i - 1].cost;
+        let cost = left.boxes[i - 1] + right.boxes[m - i - 1];
         if cost < best.0 {
-            best = (cost, [i as u8, (m - i) as u8]);
+            best = (cost, i as u8);
         }
     }
     best
 }
 
-/// All nodes, each after its parent; no recursion, for a tree over bad input can be as deep as it has nodes.
-fn parents_first(binary: &[BinaryNode]) -> Vec<usize> {
-    let mut order = Vec::with_capacity(binary.len());
-    order.extend((!binary.is_empty()).then_some(0));
-    let mut next = 0;
-    while let Some(&n) = order.get(next) {
-        if let Content::Children(first) = binary[n].content {
-            order.extend([first as usize, first as usize + 1]);
-        }
-        next += 1;
-    }
-    order
-}
-
 /// A wide tree in the making.
 struct Folding<'a> {
     binary: &'a [BinaryNode],
-    triangles: &'a [[Vec3; 3]],
-    plans: &'a [Plans],
-    tree: WideTree,
+    plan: &'a Plan<'a>,
+    nodes: Vec<Node>,
+    /// Triangles of the blocks, eight each; `u32::MAX`: none.
+    slots: Vec<u32>,
+    /// For the walk below a leaf.
+    below: Vec<usize>,
 }
 
 impl Folding<'_> {
-    /// Fills the tree from the root down, depth first; returns its depth.
-    fn fold(&mut self) -> usize {
+    /// Fills the tree from the root down, depth first; returns its nodes, the triangles of its blocks, and its depth.
+    fn fold(mut self) -> (Vec<Node>, Vec<u32>, usize) {
         // (wide node to fill, binary node that it stands for, depth)
         let mut pending = vec![(0, 0, 1)];
         let mut max_depth = 0;
@@ -146,19 +191,19 @@ impl Folding<'_> {
                 let target = if choice == Choice::Leaf {
                     self.leaf(child)
                 } else {
-                    pending.push((self.tree.nodes.len(), child, depth + 1));
-                    self.tree.nodes.push(Node::EMPTY);
-                    Child::inner(self.tree.nodes.len() - 1)
+                    pending.push((self.nodes.len(), child, depth + 1));
+                    self.nodes.push(Node::EMPTY);
+                    Child::inner(self.nodes.len() - 1)
                 };
-                self.tree.nodes[wide].set(lane, min, max, target);
+                self.nodes[wide].set(lane, min, max, target);
             }
         }
-        max_depth
+        (self.nodes, self.slots, max_depth)
     }
 
-    /// The binary nodes that become the boxes of the wide node for `n`, each with its plan.
+    /// The binary nodes that become the boxes of the wide node for `n`, each with its choice.
     fn boxes(&self, n: usize) -> Vec<(usize, Choice)> {
-        let Choice::Inner(shares) = self.plans[n][0].choice else {
+        let Choice::Inner(shares) = self.plan.choice(n, 1) else {
             return vec![(n, Choice::Leaf)]; // the whole tree is one leaf
         };
         let mut boxes = Vec::with_capacity(WIDTH);
@@ -166,7 +211,7 @@ impl Folding<'_> {
         while let Some((n, shares)) = split.pop() {
             let Content::Children(first) = self.binary[n].content else { continue };
             for (child, share) in [(first as usize, shares[0]), (first as usize + 1, shares[1])] {
-                match self.plans[child][share as usize - 1].choice {
+                match self.plan.choice(child, share) {
                     Choice::Split(shares) => split.push((child, shares)),
                     choice => boxes.push((child, choice)),
                 }
@@ -177,17 +222,16 @@ impl Folding<'_> {
 
     /// Appends the triangles below `n` as blocks.
     fn leaf(&mut self, n: usize) -> Child {
-        let mut primitives = Vec::with_capacity(MAX_LEAF as usize);
-        let mut below = vec![n];
-        while let Some(n) = below.pop() {
+        let first = self.slots.len();
+        self.below.push(n);
+        while let Some(n) = self.below.pop() {
             match self.binary[n].content {
-                Content::Triangle(index) => primitives.push(index),
-                Content::Children(first) => below.extend([first as usize, first as usize + 1]),
+                Content::Triangle(index) => self.slots.push(index),
+                Content::Children(first) => self.below.extend([first as usize, first as usize + 1]),
             }
         }
-        primitives.sort_unstable();
-        let first = self.tree.blocks.len();
-        self.tree.blocks.extend(primitives.chunks(WIDTH).map(|chunk| TriangleBlock::new(chunk, self.triangles)));
-        Child::leaf(first, self.tree.blocks.len() - first)
+        self.slots[first..].sort_unstable();
+        self.slots.resize(self.slots.len().next_multiple_of(WIDTH), u32::MAX);
+        Child::leaf(first / WIDTH, (self.slots.len() - first) / WIDTH)
     }
 }

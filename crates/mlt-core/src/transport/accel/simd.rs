@@ -24,6 +24,8 @@ pub trait Simd: Copy {
 
     /// The instruction set that this is.
     fn set(self) -> InstructionSet;
+    /// Asks for memory ahead of its use; any address will do.
+    fn prefetch<T>(self, _address: *const T) {}
     /// x in every lane.
     fn splat(self, x: f32) -> Self::Floats;
     /// From memory.
@@ -162,6 +164,16 @@ impl Simd for Avx2 {
 
     fn set(self) -> InstructionSet {
         InstructionSet::Avx2(self)
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, address: *const T) {
+        let mut at = 0;
+        while at < size_of::<T>() {
+            // SAFETY: prefetching never faults, whatever the address.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast::<i8>().wrapping_add(at)) };
+            at += 64;
+        }
     }
 
     intrinsics! {

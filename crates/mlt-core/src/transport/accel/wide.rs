@@ -90,10 +90,10 @@ pub struct TriangleBlock {
 const _: () = assert!(size_of::<TriangleBlock>() == 320);
 
 impl TriangleBlock {
-    /// Packs the triangles that at most eight `primitives` name.
+    /// Packs the triangles that at most eight `primitives` name; `u32::MAX` names none.
     pub fn new(primitives: &[u32], triangles: &[[Vec3; 3]]) -> Self {
         let mut block = Self { vertices: [[Lanes([f32::NAN; WIDTH]); 3]; 3], primitives: [u32::MAX; WIDTH] };
-        for (lane, &primitive) in primitives.iter().enumerate() {
+        for (lane, &primitive) in primitives.iter().enumerate().filter(|&(_, &primitive)| primitive != u32::MAX) {
             for (vertex, position) in triangles[primitive as usize].iter().enumerate() {
                 for axis in 0..3 {
                     block.vertices[vertex][axis].0[lane] = position[axis];
