@@ -60,7 +60,8 @@ impl FromStr for Strata {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let mut parts = text.split(',');
+        // A plus sign is for lists of methods, which commas part.
+        let mut parts = text.split([',', '+']);
         let mut strata = Self { lights: lights(parts.next().unwrap_or_default())?, classes: Classes::default() };
         for part in parts {
             match part.strip_prefix("tiles:") {
@@ -219,6 +220,7 @@ mod tests {
         assert_eq!("65536".parse(), plain(Stratification::Count(65_536)));
         let classes = Classes { lengths: true, tiles: [3, 2] };
         assert_eq!("8,length,tiles:3x2".parse(), Ok(Strata { lights: Stratification::Count(8), classes }));
+        assert_eq!("8+length+tiles:3x2".parse::<Strata>(), "8,length,tiles:3x2".parse());
         for bad in [
             "",
             "None",

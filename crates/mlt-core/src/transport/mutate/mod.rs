@@ -27,17 +27,20 @@ pub enum PathMutation<'a> {
     Lens(LensPerturbation<'a>),
     /// Turns the light that makes a caustic.
     Caustic(CausticPerturbation<'a>),
-    /// Moves the path on the image and turns what lies behind, through several specular chains.
+    /// Moves the path on the image and turns what lies behind.
     MultiChain(MultiChainPerturbation<'a>),
 }
 
 impl<'a> PathMutation<'a> {
-    /// All that apply to a view; those for specular chains only where a surface is specular.
+    /// All that apply to a view; that for caustics only where a surface is specular.
     pub fn all(view: View<'a>) -> Vec<Self> {
-        let mut all = vec![Self::Bidirectional(BidirectionalMutation { view }), Self::Lens(LensPerturbation { view })];
+        let mut all = vec![
+            Self::Bidirectional(BidirectionalMutation { view }),
+            Self::Lens(LensPerturbation { view }),
+            Self::MultiChain(MultiChainPerturbation { view }),
+        ];
         if view.scene.materials().iter().any(|m| m.bsdf.is_delta()) {
             all.push(Self::Caustic(CausticPerturbation { view }));
-            all.push(Self::MultiChain(MultiChainPerturbation { view }));
         }
         all
     }

@@ -1,14 +1,19 @@
-//! The multi-chain perturbation: the lens perturbation through several chains of specular surfaces.
+//! The multi-chain perturbation: the lens perturbation, one diffuse vertex or more further.
 //!
-//! Paths of the form (L|D) D S⁺ … D S⁺ D S* E or L S⁺ … D S* E: the camera ray is moved as by the lens perturbation; at
-//! each diffuse vertex with a specular one behind it, the direction towards the light is turned by an angle with density
-//! ∝ 1/θ² per solid angle, and the chain is followed through the same events, until the path can be connected or has come
-//! to its light. All moves are symmetric, so with x_m the last vertex that changes
+//! Paths of the form … D S* D S* E with two diffuse vertices or more behind the light's: the camera ray is moved as by the
+//! lens perturbation, the direction that leaves its first diffuse vertex towards the light is turned by an angle with density
+//! ∝ 1/θ² per solid angle, and specular chains are followed through the same events; where another one begins, another direction is
+//! turned, until the path can be connected or has come to its light. All moves are symmetric, so with x_m the last
+//! vertex that changes
 //!
 //! T(y→x) / T(x→y) = Π_{m ≤ i < k} q_i(x) / q_i(y),  q_{k−1} = reverse_{k−1},
 //!   q_i = reverse_i / P(event at x_{i+1}) after a specular x_{i+1},  q_i = |cosθ_i| / |x_i − x_{i+1}|² after a diffuse one.
 //!
-//! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the image.
+//! Without a specular vertex it changes two, which frees what the lens perturbation cannot leave: a short edge in a corner between
+//! walls, whose 1/|x_i − x_{i+1}|² is in f and here in q_i as well.
+//!
+//! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the image. Added: chains without a
+//! specular vertex.
 
 use super::super::path::{LightPath, View};
 use super::follow::{SUITABILITY, perturb_from_eye};
@@ -23,16 +28,16 @@ pub struct MultiChainPerturbation<'a> {
 }
 
 impl MultiChainPerturbation<'_> {
-    /// Positive for paths with a specular chain that the lens perturbation cannot reach, else 0.
+    /// Positive for paths with another vertex to move behind the first diffuse one, else 0.
     pub fn suitability(&self, current: &LightPath) -> f64 {
         let m = first_diffuse(current, current.edges());
-        let goes_on = m > 0 && current.vertices[m - 1].vertex.delta;
-        if goes_on { SUITABILITY } else { 0.0 }
+        if m >= 2 { SUITABILITY } else { 0.0 }
     }
 
     /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
     pub fn propose(&self, current: &LightPath, proposal: &mut LightPath, rng: &mut impl Rng) -> Option<f64> {
-        let mut m = first_diffuse(current, current.edges());
+        let m = first_diffuse(current, current.edges());
+        let mut m = first_diffuse(current, m);
         while m > 0 && current.vertices[m - 1].vertex.delta {
             m = first_diffuse(current, m);
         }
