@@ -394,7 +394,7 @@ fn importance_that_is_not_finite_is_counted_and_kept_out() {
     let total = tally.total();
     assert!(total.non_finite_samples > 0);
     assert!(total.mutations.iter().all(|m| m.non_finite > 0), "{total:?}");
-    assert_eq!(film.lost(), 0);
+    assert_eq!(film.lost().count, 0);
     assert!((0..=TOTAL).all(|site| film.pixel(site)[0].mean.is_finite()));
     let good = Problem::new(cells(1), 1000, 200).run(7, 0..4).1.total();
     assert_eq!((good.non_finite_samples, good.mutations[0].non_finite), (0, 0));

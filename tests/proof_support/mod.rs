@@ -143,7 +143,7 @@ pub fn metropolis_in(
 }
 
 fn image(film: &Film<3>) -> Vec<f64> {
-    assert_eq!(film.lost(), 0);
+    assert_eq!(film.lost().count, 0);
     (0..film.sites() as usize).flat_map(|i| film.pixel(i).map(|c| c.mean)).collect()
 }
 

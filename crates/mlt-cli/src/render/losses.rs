@@ -28,12 +28,16 @@ pub fn losses(film: &Film<3>, counts: &Counts, width: usize) -> Vec<String> {
         warnings
             .push(format!("{refused} chains could not start; what they would have added is missing (strata {strata})"));
     }
-    if film.lost() > 0 {
-        warnings.push(format!("{} contributions were not finite; they are left out", film.lost()));
+    let pixels_of = |sites: &[usize]| named(sites.iter().map(|site| format!("({}, {})", site % width, site / width)));
+    let lost = film.lost();
+    if lost.count > 0 {
+        let sites: Vec<_> = lost.sites.iter().map(|&site| site as usize).collect();
+        let pixels = pixels_of(&sites);
+        warnings.push(format!("{} contributions were not finite; they are left out (in {pixels})", lost.count));
     }
     let clipped = clipped(film);
     if !clipped.is_empty() {
-        let pixels = named(clipped.iter().map(|pixel| format!("({}, {})", pixel % width, pixel / width)));
+        let pixels = pixels_of(&clipped);
         warnings.push(format!(
             "{} pixels are brighter than the film can hold: their values or errors are clipped ({pixels})",
             clipped.len()
@@ -100,5 +104,17 @@ mod tests {
         let warnings = losses(&film, &Counts::default(), 2);
         assert!(warnings.len() == 1 && warnings[0].ends_with("clipped ((1, 1))"), "{warnings:?}");
         assert!(losses(&Film::new(4, 1.0), &Counts::default(), 2).is_empty());
+    }
+
+    #[test]
+    fn what_is_not_finite_is_named_by_pixel() {
+        let mut film = Film::<3>::new(6, 1.0);
+        let mut deposits = film.deposits();
+        for site in [4, 1, 4] {
+            deposits.deposit(Splat { site, value: [f64::NAN, 1.0, 1.0] }, 1.0);
+        }
+        film.add(&[deposits]);
+        let warnings = losses(&film, &Counts::default(), 3);
+        assert_eq!(warnings, ["3 contributions were not finite; they are left out (in (1, 0), (1, 1))"]);
     }
 }

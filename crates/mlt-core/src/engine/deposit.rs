@@ -17,6 +17,40 @@ pub struct Deposit<const C: usize> {
     pub value: [f32; C],
 }
 
+/// Deposits with a site outside the film or a value that is not finite, which are left out.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lost {
+    /// How many.
+    pub count: u64,
+    /// The first few of the film's sites that they would have gone to, in order.
+    pub sites: Vec<u32>,
+}
+
+impl Lost {
+    /// Most sites that are kept.
+    const SITES: usize = 8;
+
+    fn add(&mut self, site: u32, sites: u32) {
+        self.count += 1;
+        if site < sites {
+            self.keep(site);
+        }
+    }
+
+    /// Adds others; the outcome does not depend on the order.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        other.sites.iter().for_each(|&site| self.keep(site));
+    }
+
+    fn keep(&mut self, site: u32) {
+        if let Err(at) = self.sites.binary_search(&site) {
+            self.sites.insert(at, site);
+            self.sites.truncate(Self::SITES);
+        }
+    }
+}
+
 /// The deposits of one task in the order in which they were made, sorted into bands of consecutive sites.
 ///
 /// Bands are what threads merge independently, and each is small enough for a cache. A list of deposits, unlike a film
@@ -26,20 +60,20 @@ pub struct Deposits<const C: usize> {
     bands: Vec<Vec<Deposit<C>>>,
     sites: u32,
     shift: u32,
-    lost: u64,
+    lost: Lost,
 }
 
 impl<const C: usize> Deposits<C> {
     /// No deposits, for a film of `sites` sites cut into bands of 2^`shift`.
     pub(super) fn new(sites: u32, shift: u32) -> Self {
         let bands = (sites as usize).div_ceil(1 << shift).max(1);
-        Self { bands: vec![Vec::new(); bands], sites, shift, lost: 0 }
+        Self { bands: vec![Vec::new(); bands], sites, shift, lost: Lost::default() }
     }
 
     /// Forgets the deposits and keeps the memory.
     pub(super) fn clear(&mut self) {
         self.bands.iter_mut().for_each(Vec::clear);
-        self.lost = 0;
+        self.lost = Lost::default();
     }
 
     /// Sites and the sums, over deposits and channels, that they get; in the order of the sites.
@@ -59,9 +93,9 @@ impl<const C: usize> Deposits<C> {
         &self.bands[band]
     }
 
-    /// Deposits with a site outside the film or a value that is not finite; they are left out.
-    pub fn lost(&self) -> u64 {
-        self.lost
+    /// What was left out.
+    pub fn lost(&self) -> &Lost {
+        &self.lost
     }
 }
 
@@ -70,7 +104,7 @@ impl<const C: usize> Sink<Splat<C>> for Deposits<C> {
     fn deposit(&mut self, splat: Splat<C>, weight: f64) {
         let value = splat.value.map(|v| (v * weight) as f32);
         if splat.site >= self.sites || value.iter().any(|v| !v.is_finite()) {
-            self.lost += 1;
+            self.lost.add(splat.site, self.sites);
             return;
         }
         self.bands[(splat.site >> self.shift) as usize].push(Deposit { site: splat.site, value });

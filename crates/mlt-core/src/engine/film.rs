@@ -1,6 +1,6 @@
 //! The film: exact sums over rounds, whatever their order.
 
-use super::Deposits;
+use super::{Deposits, Lost};
 use rayon::prelude::*;
 
 /// Sites of a band: 2^13 sites of three f64 channels are 192 KiB.
@@ -17,7 +17,7 @@ pub struct Film<const C: usize> {
     unit: f64,
     weight: u64,
     rounds: u64,
-    lost: u64,
+    lost: Lost,
 }
 
 /// Σ w X in 2⁻⁶⁰ units and Σ w X² in 2⁻⁶⁰ units².
@@ -58,7 +58,8 @@ impl<const C: usize> Film<C> {
     pub fn new(sites: u32, unit: f64) -> Self {
         let unit = if unit.is_normal() && unit > 0.0 { libm::exp2(libm::floor(libm::log2(unit))) } else { 1.0 };
         let n = sites as usize;
-        Self { round: vec![[0.0; C]; n], sums: vec![[Sums::default(); C]; n], unit, weight: 0, rounds: 0, lost: 0 }
+        let (round, sums) = (vec![[0.0; C]; n], vec![[Sums::default(); C]; n]);
+        Self { round, sums, unit, weight: 0, rounds: 0, lost: Lost::default() }
     }
 
     /// Number of sites.
@@ -72,8 +73,8 @@ impl<const C: usize> Film<C> {
     }
 
     /// Deposits left out because they were not finite or lay outside.
-    pub fn lost(&self) -> u64 {
-        self.lost
+    pub fn lost(&self) -> &Lost {
+        &self.lost
     }
 
     /// An empty list for one task's deposits.
@@ -83,7 +84,7 @@ impl<const C: usize> Film<C> {
 
     /// Adds tasks' deposits to the current round, in their order.
     pub fn add(&mut self, tasks: &[Deposits<C>]) {
-        self.lost += tasks.iter().map(Deposits::lost).sum::<u64>();
+        tasks.iter().for_each(|task| self.lost.merge(task.lost()));
         self.round.par_chunks_mut(1 << BAND_SHIFT).enumerate().for_each(|(band, sites)| {
             let first = band << BAND_SHIFT;
             for deposit in tasks.iter().flat_map(|t| t.band(band)) {
@@ -131,7 +132,7 @@ impl<const C: usize> Film<C> {
         }
         self.weight += other.weight;
         self.rounds += other.rounds;
-        self.lost += other.lost;
+        self.lost.merge(&other.lost);
         true
     }
 
@@ -210,7 +211,7 @@ mod tests {
     fn what_is_not_finite_is_counted_and_left_out() {
         let mut film = Film::<1>::new(2, 1.0);
         rounds(&mut film, &[(f64::NAN, 1), (1.0, 1)]);
-        assert_eq!(film.lost(), 2);
+        assert_eq!(film.lost(), &Lost { count: 2, sites: vec![1] });
         assert_eq!(film.pixel(1)[0].mean, 0.5);
     }
 

@@ -27,7 +27,7 @@ mod sum;
 
 pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, allocate, shares_by_power};
 pub use chain::Chain;
-pub use deposit::{Deposit, Deposits, Sink};
+pub use deposit::{Deposit, Deposits, Lost, Sink};
 pub use estimator::{Estimator, Observer, Outcome, Progress, render};
 pub use film::{Film, Pixel};
 pub use importance::Importance;
