@@ -1,9 +1,13 @@
 //! A whole render: a method, its settings, and what it counted.
 
-use super::adapt::{Adaptation, Adapted, Pilot, error_weights};
-use super::auto::{self, Plan, Sampler, SomePaths, Summary};
+mod counts;
+mod error;
+mod planned;
+mod settings;
+
+use super::adapt::{Adapted, Pilot, error_weights};
+use super::auto::{self, Plan, Summary};
 use super::bdpt::{Bidirectional, MOST_EDGES};
-use super::classes::Classes;
 use super::importance::{PixelImportance, Target};
 use super::independent::{AllPaths, ImageSampler, Independent, SampleTally};
 use super::mutate::PathMutation;
@@ -17,75 +21,16 @@ use super::strata::{LightStrata, Stratification};
 use super::stratum::{LightStratum, Variant};
 use crate::engine::{
     self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Path, Progress, Share, Splat, Stratum,
-    StratumStats, Sum, SumTally, Tally, shares_by_power,
+    Tally, shares_by_power,
 };
 use crate::primary::{PrimaryImportance, PrimaryMutation};
 use std::ops::{ControlFlow, Range};
 
-/// How the image is estimated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Independent samples where they are better, Metropolis where it pays: see [`auto`](mod@super::auto).
-    Auto,
-    /// Stratified Metropolis light transport in path space.
-    #[default]
-    Metropolis,
-    /// Bidirectional path tracing.
-    Bidirectional,
-    /// Path tracing with next-event estimation.
-    Path,
-    /// Stratified Metropolis over the random numbers of bidirectional samples.
-    PrimaryBidirectional,
-    /// Stratified Metropolis over the random numbers of single paths, with their length and technique.
-    Multiplexed,
-}
+pub(super) use counts::PilotCounts;
 
-/// What decides the bits of a render, besides the scene and the camera.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Settings {
-    /// How the image is estimated.
-    pub method: Method,
-    /// How the lights are cut, for Metropolis.
-    pub stratification: Stratification,
-    /// How paths are cut besides, for Metropolis.
-    pub classes: Classes,
-    /// How a round is shared among the strata.
-    pub adaptation: Adaptation,
-    /// What strata restrict.
-    pub variant: Variant,
-    /// What chains sample in proportion to.
-    pub target: Target,
-    /// Most edges of a path; `None`: no limit.
-    pub max_edges: Option<usize>,
-    /// Key of all random streams.
-    pub seed: u64,
-    /// Mutations (Metropolis) or samples of each pixel in a round; for independent methods on average over the rounds.
-    pub per_pixel: f64,
-}
-
-/// What a render counted.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Counts {
-    /// Independent samples of the image.
-    pub samples: u64,
-    /// Rays traced, those of the pilot not among them.
-    pub rays: u64,
-    /// Mutations of the pilot, which are in no image.
-    pub pilot_mutations: u64,
-    /// Rays of the pilot.
-    pub pilot_rays: u64,
-    /// Metropolis: one entry a stratum.
-    pub strata: Vec<StratumStats>,
-    /// Names of the mutations, in the order of every stratum's list.
-    pub mutations: Vec<&'static str>,
-}
-
-impl Counts {
-    /// Steps of all chains.
-    pub fn steps(&self) -> u64 {
-        self.strata.iter().map(StratumStats::steps).sum()
-    }
-}
+pub use counts::Counts;
+pub use error::{luminance_and_error, relative_error};
+pub use settings::{Method, Settings};
 
 /// Called with the state of a render; it breaks to stop it.
 pub type Observer<'a> = dyn FnMut(Progress, &Film<3>) -> ControlFlow<()> + 'a;
@@ -101,19 +46,6 @@ pub struct Renderer<'a, I = PixelImportance> {
     next_event: NextEvent,
     pilot: PilotCounts,
     plan: Option<Plan>,
-}
-
-/// What pilots spent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct PilotCounts {
-    pub(super) mutations: u64,
-    pub(super) rays: u64,
-}
-
-impl PilotCounts {
-    fn of(tally: &Tally) -> Self {
-        Self { mutations: tally.total().steps(), rays: tally.work() }
-    }
 }
 
 /// Mutations for one independent sample, of those for b̂_j and the chains' starts, where both are a bidirectional sample.
@@ -334,54 +266,6 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let Settings { per_pixel, seed, .. } = self.settings;
         independent(&Independent { sampler, selection: AllPaths, samples_per_pixel: per_pixel, seed }, run)
     }
-
-    /// Renders as a plan says.
-    fn follow(&self, plan: &Plan, run: Run) -> Outcome {
-        let (view, region, max_edges) = (self.view, &self.whole, plan.sampled_edges(self.max_edges()));
-        match &plan.independent {
-            None => self.chains(plan, run),
-            &Some((Sampler::Path { branches }, samples)) => self.mixture(
-                plan,
-                &PathTracer { view, next_event: &self.next_event, max_edges, branches },
-                samples,
-                run,
-            ),
-            &Some((Sampler::Bidirectional, samples)) => {
-                self.mixture(plan, &Bidirectional { view, region, max_edges }, samples, run)
-            }
-        }
-    }
-
-    /// Chains alone.
-    fn chains(&self, plan: &Plan, run: Run) -> Outcome {
-        let strata = LightStratum::of_kinds(&plan.strata, &plan.chained, self.view, self.max_edges());
-        let mixture = Mixture::new(PathMutation::all(self.view));
-        self.metropolis(&self.estimator(&strata, &plan.shares, &mixture), run)
-    }
-
-    /// Independent samples of what is not left to chains, and chains for the rest.
-    fn mixture<T: ImageSampler>(&self, plan: &Plan, sampler: &T, samples_per_pixel: f64, run: Run) -> Outcome {
-        let seed = self.settings.seed;
-        if plan.shares.is_empty() {
-            return independent(&Independent { sampler, selection: AllPaths, samples_per_pixel, seed }, run);
-        }
-        let strata = LightStratum::of_kinds(&plan.strata, &plan.chained, self.view, self.max_edges());
-        let mixture = Mixture::new(PathMutation::all(self.view));
-        let kinds = plan.sampled();
-        let selection = SomePaths { lights: self.view.scene.lights(), strata: &plan.strata, kinds: &kinds };
-        let samples = Independent { sampler, selection, samples_per_pixel, seed };
-        let estimator = Sum(samples, self.estimator(&strata, &plan.shares, &mixture));
-        let counts = run.counts;
-        let tally = Tally { strata: std::mem::take(&mut counts.strata) };
-        let chain_rays = tally.work();
-        let mut tally = SumTally(SampleTally { samples: counts.samples, rays: counts.rays - chain_rays }, tally);
-        let outcome = repeat(&estimator, run.rounds, run.film, &mut tally, run.observe);
-        let SumTally(samples, tally) = tally;
-        counts.mutations = mixture.mutations().iter().map(Mutation::<LightPath, LightStratum>::name).collect();
-        (counts.samples, counts.rays) = (samples.samples, samples.rays + tally.work());
-        counts.strata = tally.strata;
-        outcome
-    }
 }
 
 fn independent<T: ImageSampler>(estimator: &Independent<T>, run: Run) -> Outcome {
@@ -408,24 +292,4 @@ fn repeat<E: Estimator<3>>(
     observe: &mut Observer,
 ) -> Outcome {
     engine::render(estimator, rounds, film, tally, &mut |progress, film, _| observe(progress, film))
-}
-
-/// Luminance of a pixel's mean, and a bound on its standard error: Σ weight × error of the channels, which is exact where
-/// their errors are fully correlated.
-pub fn luminance_and_error(film: &Film<3>, pixel: usize) -> (f64, f64) {
-    let weights = [0.2126, 0.7152, 0.0722];
-    let channels = film.pixel(pixel);
-    let sum = |f: fn(&engine::Pixel) -> f64| channels.iter().zip(weights).map(|(c, w)| w * f(c)).sum();
-    (sum(|c| c.mean), sum(|c| c.stderr))
-}
-
-/// Estimated relative error of the image, √(Σ stderr² / Σ luminance²) over pixels; infinite before the second round and
-/// for a black image.
-pub fn relative_error(film: &Film<3>) -> f64 {
-    let (mut errors, mut squares) = (0.0, 0.0);
-    for (luminance, error) in (0..film.sites() as usize).map(|i| luminance_and_error(film, i)) {
-        errors += error * error;
-        squares += luminance * luminance;
-    }
-    if squares > 0.0 { (errors / squares).sqrt() } else { f64::INFINITY }
 }
