@@ -1,11 +1,14 @@
 //! `mlt render`.
 
 mod blocks;
+mod ending;
 mod files;
 mod losses;
 mod plan;
 mod session;
+mod settings;
 mod setup;
+mod summary;
 
 use std::{io::Write, time::Duration};
 

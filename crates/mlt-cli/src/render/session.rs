@@ -1,47 +1,42 @@
 //! Rounds until the end.
 
 use std::{
-    collections::BTreeMap,
     ops::ControlFlow,
     time::{Duration, Instant},
 };
 
 use mlt_core::{
-    engine::{Film, MutationStats, Outcome, StratumStats},
+    engine::{Film, Outcome},
     transport::{
-        adapt::{Adaptation, Weights},
-        importance::Target,
         path::View,
-        render::{Counts, Method, Renderer, Settings, luminance_and_error, relative_error},
-        strata::Stratification,
-        stratum::Variant,
+        render::{Counts, Renderer, relative_error},
     },
 };
 
-use super::{Plan, Setup, blocks::Blocks, losses::losses, plan::TRUSTED_ROUNDS};
+use super::{
+    Plan, Setup,
+    blocks::Blocks,
+    ending::{Ending, STEPS},
+    settings::{settings, without_pilot},
+    summary::report,
+};
 use crate::{
     Failure,
-    args::render::{self, RenderOptions, value_name},
+    args::render::{self, RenderOptions},
     cpu_seconds,
     interrupt::Interrupt,
     progress::Progress,
-    report::{Acceptance, Agreement, Decision, Report, StratumReport},
+    report::Report,
+    report::{Agreement, Decision},
     require_memory,
 };
 
-/// Steps of the progress bar.
-const STEPS: u64 = 1000;
 /// Time that is enough to measure the speed.
 const ENOUGH: Duration = Duration::from_millis(300);
 /// Bytes of a round for each of its mutations: a 32nd of an independent sample, and the counts of short chains.
 const BYTES_PER_MUTATION: f64 = 0.6;
 /// Bytes for each sample of the pixels in work, two a thread: its deposits.
 const BYTES_PER_SAMPLE: f64 = 64.0;
-/// A run of rejections that is worth a warning: half of the longest chain of a round.
-const STUCK: u64 = 4096;
-/// Relative uncertainty of a stratum's b that is worth a warning.
-const UNCERTAIN: f64 = 0.05;
-
 /// A render that is over.
 pub struct Finished {
     /// Its image.
@@ -62,8 +57,7 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
     require_memory_for_round(options.method(), per_pixel, f64::from(setup.camera.pixels()))?;
     let renderer = Renderer::new(view, settings(options, per_pixel));
     let (mut film, mut counts) = (renderer.film(), Counts::default());
-    let mut ending =
-        Ending { plan, interrupt: interrupt.clone(), start, round: Instant::now(), longest: Duration::ZERO };
+    let mut ending = Ending::new(plan, interrupt.clone(), start);
     let progress = Progress::new(STEPS, options.method().unit(), options.quiet);
     let pixels = f64::from(setup.camera.pixels());
     let first = options.first_round;
@@ -83,7 +77,7 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
         ending.reached(at.rounds, at.fraction == 0.0, error)
     });
     progress.finish();
-    let interrupted = outcome == Outcome::Stopped && ending.interrupt.requested();
+    let interrupted = outcome == Outcome::Stopped && interrupt.requested();
     if film.rounds() == 0 {
         let (what, code): (_, fn(anyhow::Error) -> Failure) = match interrupted {
             true => ("interrupted before the first round was finished; nothing is written", Failure::InterruptedEarly),
@@ -132,190 +126,4 @@ fn require_memory_for_round(method: render::Method, per_pixel: f64, pixels: f64)
         false => per_pixel * rayon::current_num_threads() as f64 * BYTES_PER_SAMPLE,
     };
     require_memory(bytes as u64, &format!("a round of {per_pixel} {} per pixel", method.unit()))
-}
-
-fn settings(options: &RenderOptions, per_pixel: f64) -> Settings {
-    Settings {
-        method: match options.method() {
-            render::Method::Auto => Method::Auto,
-            render::Method::Mlt => Method::Metropolis,
-            render::Method::Bdpt => Method::Bidirectional,
-            render::Method::Pt => Method::Path,
-            render::Method::Pssmlt => Method::PrimaryBidirectional,
-            render::Method::Mmlt => Method::Multiplexed,
-        },
-        stratification: options.strata.lights,
-        classes: options.strata.classes,
-        adaptation: Adaptation {
-            weights: match options.weights {
-                render::Weights::Power => Weights::Power,
-                render::Weights::Adaptive => Weights::Adaptive,
-            },
-            pilot_rounds: options.rounds_pilot,
-        },
-        variant: match options.variant {
-            render::Variant::Stratified => Variant::Stratified,
-            render::Variant::MutationOnly => Variant::MutationOnly,
-        },
-        target: match options.importance {
-            render::Importance::Luminance => Target::Luminance,
-            render::Importance::Relative => Target::Relative,
-        },
-        max_edges: options.max_length.map(|edges| edges as usize),
-        seed: options.seed,
-        per_pixel,
-    }
-}
-
-/// Settings for a trial of speed: what a pilot would find does not matter much to it, and the work of `auto` is that of as
-/// many samples of path tracing.
-fn without_pilot(settings: Settings) -> Settings {
-    let method = if settings.method == Method::Auto { Method::Path } else { settings.method };
-    let stratification = match settings.stratification {
-        Stratification::Auto => Stratification::None,
-        other => other,
-    };
-    Settings { method, stratification, adaptation: Adaptation::default(), target: Target::Luminance, ..settings }
-}
-
-/// When a render ends.
-struct Ending {
-    plan: Plan,
-    interrupt: Interrupt,
-    start: Instant,
-    /// When the current round began.
-    round: Instant,
-    /// Longest round so far.
-    longest: Duration,
-}
-
-impl Ending {
-    /// Where the progress bar stands after `done` rounds; errors fall as one over the square root of the work.
-    fn share(&self, done: f64, error: Option<f64>) -> u64 {
-        let rounds = self.plan.rounds.map_or(0.0, |rounds| done / rounds as f64);
-        let time = self.plan.time.map_or(0.0, |time| self.start.elapsed().as_secs_f64() / time.as_secs_f64());
-        let error = self.plan.error.zip(error).map_or(0.0, |(target, error)| (target / error).powi(2));
-        (rounds.max(time).max(error).min(1.0) * STEPS as f64) as u64
-    }
-
-    /// Breaks when the render is to stop: on a signal at once, else at the end of a round.
-    fn reached(&mut self, rounds: u64, at_end: bool, error: Option<f64>) -> ControlFlow<()> {
-        if at_end {
-            self.longest = self.longest.max(self.round.elapsed());
-            self.round = Instant::now();
-        }
-        // Half a round too late is as good as half a round too early.
-        let late = self.plan.time.is_some_and(|time| self.start.elapsed() + self.longest / 2 > time);
-        let good =
-            rounds >= TRUSTED_ROUNDS && self.plan.error.zip(error).is_some_and(|(target, error)| error <= target);
-        if self.interrupt.requested() || (at_end && (late || good)) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    }
-}
-
-fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Counts) -> Report {
-    let [width, height] = setup.camera.size().map(|n| n as usize);
-    let error = relative_error(film);
-    let (b, b_stderr) = image_mean(film, counts);
-    let mutations = by_mutation(counts);
-    let mut report = Report {
-        version: env!("CARGO_PKG_VERSION").into(),
-        scene: setup.name.clone(),
-        method: value_name(options.method()),
-        strata_option: options.strata.to_string(),
-        weights: value_name(options.weights),
-        rounds_pilot: options.rounds_pilot,
-        variant: value_name(options.variant),
-        importance: value_name(options.importance),
-        width,
-        height,
-        max_length: options.max_length,
-        seed: options.seed,
-        threads: rayon::current_num_threads(),
-        first_round: options.first_round,
-        rounds: film.rounds(),
-        interrupted: false,
-        seconds: 0.0,
-        cpu_seconds: None,
-        mutations: counts.steps(),
-        samples: counts.samples + counts.strata.iter().map(|s| s.samples).sum::<u64>(),
-        rays: counts.rays,
-        pilot_mutations: counts.pilot_mutations,
-        pilot_rays: counts.pilot_rays,
-        acceptance: acceptance(&mutations),
-        longest_rejection: mutations.iter().map(|(name, stats)| (name.clone(), stats.longest_rejection)).collect(),
-        b,
-        b_stderr,
-        strata: counts.strata.iter().map(stratum).collect(),
-        relative_error: error.is_finite().then_some(error),
-        agreement: None,
-        decision: None,
-        warnings: setup.warnings.clone(),
-        outputs: Vec::new(),
-    };
-    report.warnings.extend(warnings(film, counts));
-    report.warnings.extend(losses(film, counts, width));
-    report
-}
-
-/// b and its standard error: from the strata if chains make the whole image, or else the image's mean.
-fn image_mean(film: &Film<3>, counts: &Counts) -> (f64, f64) {
-    let root = |squares: f64| squares.sqrt();
-    if counts.samples == 0 {
-        let b = counts.strata.iter().map(StratumStats::b).sum();
-        return (b, root(counts.strata.iter().map(|s| s.b_stderr().powi(2)).sum()));
-    }
-    let pixels = || (0..film.sites() as usize).map(|i| luminance_and_error(film, i));
-    let n = f64::from(film.sites());
-    (pixels().map(|p| p.0).sum::<f64>() / n, root(pixels().map(|p| p.1 * p.1).sum()) / n)
-}
-
-/// Counts of each mutation over all strata.
-fn by_mutation(counts: &Counts) -> BTreeMap<String, MutationStats> {
-    let mut mutations: BTreeMap<_, _> =
-        counts.mutations.iter().map(|name| ((*name).to_owned(), MutationStats::default())).collect();
-    for (name, stats) in counts.strata.iter().flat_map(|s| counts.mutations.iter().zip(&s.mutations)) {
-        mutations.entry((*name).to_owned()).or_default().merge(stats);
-    }
-    mutations
-}
-
-fn acceptance(mutations: &BTreeMap<String, MutationStats>) -> Acceptance {
-    let rate = |stats: &MutationStats| (stats.total() > 0).then(|| stats.acceptance());
-    let mut all = MutationStats::default();
-    mutations.values().for_each(|stats| all.merge(stats));
-    let mutations = mutations.iter().map(|(name, stats)| (name.clone(), rate(stats)));
-    Acceptance { mutations: mutations.collect(), total: rate(&all) }
-}
-
-fn stratum(stats: &StratumStats) -> StratumReport {
-    let (b, b_stderr, longest_rejection) = (stats.b(), stats.b_stderr(), stats.longest_rejection);
-    StratumReport { b, b_stderr, mutations: stats.steps(), longest_rejection }
-}
-
-fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let mut warn = |condition: bool, text: String| {
-        if condition {
-            warnings.push(text);
-        }
-    };
-    let b: f64 = counts.strata.iter().map(StratumStats::b).sum();
-    let uncertain = |s: &&StratumStats| s.b_stderr() > UNCERTAIN * s.b() && s.b() > 0.01 * b;
-    let strata = counts.strata.iter().filter(uncertain).count();
-    let longest = counts.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0);
-    let dark = (0..film.sites() as usize).all(|i| film.pixel(i).iter().all(|channel| channel.mean == 0.0));
-    let rounds = film.rounds();
-    warn(rounds == 1, format!("one round says nothing of its error; take {TRUSTED_ROUNDS} or more to know it"));
-    warn(
-        (2..TRUSTED_ROUNDS).contains(&rounds),
-        format!("the error is estimated from {rounds} rounds only; take {TRUSTED_ROUNDS} or more to trust it"),
-    );
-    warn(strata > 0, format!("{strata} strata have a b that is uncertain by more than 5 %; take more mutations"));
-    warn(longest > STUCK, format!("a chain was stuck for {longest} mutations; the image may have bright spots"));
-    warn(dark, "the image is black: no path from a light to the camera was found".into());
-    warnings
 }

@@ -1,0 +1,124 @@
+//! What a render's report says of its film and counts.
+
+use std::collections::BTreeMap;
+
+use mlt_core::{
+    engine::{Film, MutationStats, StratumStats},
+    transport::render::{Counts, luminance_and_error, relative_error},
+};
+
+use super::{Setup, losses::losses, plan::TRUSTED_ROUNDS};
+use crate::{
+    args::render::{RenderOptions, value_name},
+    report::{Acceptance, Report, StratumReport},
+};
+
+/// A run of rejections that is worth a warning: half of the longest chain of a round.
+const STUCK: u64 = 4096;
+/// Relative uncertainty of a stratum's b that is worth a warning.
+const UNCERTAIN: f64 = 0.05;
+
+/// The report, but for times, files and what only the session knows.
+pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Counts) -> Report {
+    let [width, height] = setup.camera.size().map(|n| n as usize);
+    let error = relative_error(film);
+    let (b, b_stderr) = image_mean(film, counts);
+    let mutations = by_mutation(counts);
+    let mut report = Report {
+        version: env!("CARGO_PKG_VERSION").into(),
+        scene: setup.name.clone(),
+        method: value_name(options.method()),
+        strata_option: options.strata.to_string(),
+        weights: value_name(options.weights),
+        rounds_pilot: options.rounds_pilot,
+        variant: value_name(options.variant),
+        importance: value_name(options.importance),
+        width,
+        height,
+        max_length: options.max_length,
+        seed: options.seed,
+        threads: rayon::current_num_threads(),
+        first_round: options.first_round,
+        rounds: film.rounds(),
+        interrupted: false,
+        seconds: 0.0,
+        cpu_seconds: None,
+        mutations: counts.steps(),
+        samples: counts.samples + counts.strata.iter().map(|s| s.samples).sum::<u64>(),
+        rays: counts.rays,
+        pilot_mutations: counts.pilot_mutations,
+        pilot_rays: counts.pilot_rays,
+        acceptance: acceptance(&mutations),
+        longest_rejection: mutations.iter().map(|(name, stats)| (name.clone(), stats.longest_rejection)).collect(),
+        b,
+        b_stderr,
+        strata: counts.strata.iter().map(stratum).collect(),
+        relative_error: error.is_finite().then_some(error),
+        agreement: None,
+        decision: None,
+        warnings: setup.warnings.clone(),
+        outputs: Vec::new(),
+    };
+    report.warnings.extend(warnings(film, counts));
+    report.warnings.extend(losses(film, counts, width));
+    report
+}
+
+/// b and its standard error: from the strata if chains make the whole image, or else the image's mean.
+fn image_mean(film: &Film<3>, counts: &Counts) -> (f64, f64) {
+    let root = |squares: f64| squares.sqrt();
+    if counts.samples == 0 {
+        let b = counts.strata.iter().map(StratumStats::b).sum();
+        return (b, root(counts.strata.iter().map(|s| s.b_stderr().powi(2)).sum()));
+    }
+    let pixels = || (0..film.sites() as usize).map(|i| luminance_and_error(film, i));
+    let n = f64::from(film.sites());
+    (pixels().map(|p| p.0).sum::<f64>() / n, root(pixels().map(|p| p.1 * p.1).sum()) / n)
+}
+
+/// Counts of each mutation over all strata.
+fn by_mutation(counts: &Counts) -> BTreeMap<String, MutationStats> {
+    let mut mutations: BTreeMap<_, _> =
+        counts.mutations.iter().map(|name| ((*name).to_owned(), MutationStats::default())).collect();
+    for (name, stats) in counts.strata.iter().flat_map(|s| counts.mutations.iter().zip(&s.mutations)) {
+        mutations.entry((*name).to_owned()).or_default().merge(stats);
+    }
+    mutations
+}
+
+fn acceptance(mutations: &BTreeMap<String, MutationStats>) -> Acceptance {
+    let rate = |stats: &MutationStats| (stats.total() > 0).then(|| stats.acceptance());
+    let mut all = MutationStats::default();
+    mutations.values().for_each(|stats| all.merge(stats));
+    let mutations = mutations.iter().map(|(name, stats)| (name.clone(), rate(stats)));
+    Acceptance { mutations: mutations.collect(), total: rate(&all) }
+}
+
+fn stratum(stats: &StratumStats) -> StratumReport {
+    let (b, b_stderr, longest_rejection) = (stats.b(), stats.b_stderr(), stats.longest_rejection);
+    StratumReport { b, b_stderr, mutations: stats.steps(), longest_rejection }
+}
+
+fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let mut warn = |condition: bool, text: String| {
+        if condition {
+            warnings.push(text);
+        }
+    };
+    let b: f64 = counts.strata.iter().map(StratumStats::b).sum();
+    let uncertain = |s: &&StratumStats| s.b_stderr() > UNCERTAIN * s.b() && s.b() > 0.01 * b;
+    let strata = counts.strata.iter().filter(uncertain).count();
+    let longest = counts.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0);
+    let dark = (0..film.sites() as usize).all(|i| film.pixel(i).iter().all(|channel| channel.mean == 0.0));
+    let rounds = film.rounds();
+    warn(rounds == 1, format!("one round says nothing of its error; take {TRUSTED_ROUNDS} or more to know it"));
+    warn(
+        (2..TRUSTED_ROUNDS).contains(&rounds),
+        format!("the error is estimated from {rounds} rounds only; take {TRUSTED_ROUNDS} or more to trust it"),
+    );
+    warn(strata > 0, format!("{strata} strata have a b that is uncertain by more than 5 %; take more mutations"));
+    warn(longest > STUCK, format!("a chain was stuck for {longest} mutations; the image may have bright spots"));
+    warn(dark, "the image is black: no path from a light to the camera was found".into());
+    warnings
+}
