@@ -120,11 +120,11 @@ fn easy_light_is_left_to_path_tracing() {
 
 #[test]
 fn threads_and_split_rounds_change_no_bit() {
-    let file = format!("{}/../../scenes/caustic/caustic.gltf", env!("CARGO_MANIFEST_DIR"));
+    let file = format!("{}/../../scenes/lights-200/lights-200.gltf", env!("CARGO_MANIFEST_DIR"));
     let world = World::new(mlt_scene::open(file).unwrap().description);
-    let settings = auto(Count(2), 16.0);
+    let settings = auto(Whole, 32.0);
     let render = |threads: usize, rounds: &[Range<u64>]| {
-        let camera = world.camera([12, 12]);
+        let camera = world.camera([24, 24]);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());

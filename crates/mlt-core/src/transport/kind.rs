@@ -5,8 +5,8 @@ use super::path::LightPath;
 use super::vertex::Vertex;
 use std::fmt;
 
-/// Classes of length: 1–2, 3–4, 5–8, 9–16 edges and more.
-const LENGTHS: usize = 5;
+/// Classes of length: 1, 2, 3–4, 5–8, 9–16 edges and more.
+const LENGTHS: usize = 6;
 /// Number of kinds.
 pub const KINDS: usize = 2 * LENGTHS;
 
@@ -24,7 +24,8 @@ impl Kind {
     /// The kind of a path of so many edges, at least one; `specular`: x_1 is a delta vertex.
     #[inline]
     pub fn new(edges: usize, specular: bool) -> Self {
-        let length = ((edges.max(1) - 1) | 1).ilog2().min(LENGTHS as u32 - 1) as u8;
+        // ⌈log₂ edges⌉
+        let length = (usize::BITS - (edges.max(1) - 1).leading_zeros()).min(LENGTHS as u32 - 1) as u8;
         Self(2 * length + u8::from(specular))
     }
 
@@ -48,7 +49,7 @@ impl Kind {
     /// Most edges of such a path, if no path has more than `most`.
     pub fn most_edges(self, most: usize) -> usize {
         let length = usize::from(self.0 / 2);
-        if length + 1 == LENGTHS { most } else { most.min(2 << length) }
+        if length + 1 == LENGTHS { most } else { most.min(1 << length) }
     }
 }
 
@@ -103,7 +104,7 @@ impl fmt::Display for Kinds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let all =
             [0, 1].map(|s| (0..LENGTHS).filter(|&l| self.contains(Kind::from_index(2 * l + s))).collect::<Vec<_>>());
-        let name = |&l: &usize| ["1-2", "3-4", "5-8", "9-16", "17+"][l];
+        let name = |&l: &usize| ["1", "2", "3-4", "5-8", "9-16", "17+"][l];
         let list = |lengths: &[usize]| lengths.iter().map(name).collect::<Vec<_>>().join(", ") + " edges";
         match all {
             [plain, specular] if plain == specular => f.write_str(&list(&plain)),
@@ -138,7 +139,8 @@ mod tests {
 
     #[test]
     fn lengths_are_classes_of_powers_of_two() {
-        for (edges, class) in [(1, 0), (2, 0), (3, 1), (4, 1), (5, 2), (8, 2), (9, 3), (16, 3), (17, 4), (1000, 4)] {
+        let classes = [(1, 0), (2, 1), (3, 2), (4, 2), (5, 3), (8, 3), (9, 4), (16, 4), (17, 5), (1000, 5)];
+        for (edges, class) in classes {
             assert_eq!(Kind::new(edges, false).index(), 2 * class);
             assert_eq!(Kind::new(edges, true).index(), 2 * class + 1);
             assert!((edges..=2 * edges).contains(&Kind::new(edges, true).most_edges(1000).min(2 * edges)));
@@ -152,10 +154,10 @@ mod tests {
         assert_eq!(set.iter().collect::<Vec<_>>(), [a, b]);
         assert_eq!((set.most_edges(1000), set.most_edges(6), Kinds::NONE.most_edges(9)), (8, 6, 0));
         assert_eq!(set.others().iter().count(), KINDS - 2);
-        assert_eq!(set.to_string(), "5-8 edges, and first specular 1-2 edges");
-        assert_eq!(Kinds::NONE.with(a).to_string(), "1-2 edges, first specular");
+        assert_eq!(set.to_string(), "5-8 edges, and first specular 2 edges");
+        assert_eq!(Kinds::NONE.with(a).to_string(), "2 edges, first specular");
         let lengths: Vec<_> = Kinds::by_length(6).collect();
-        assert_eq!(lengths.len(), 3);
-        assert!(lengths[2].contains(b) && !lengths[2].contains(a));
+        assert_eq!(lengths.len(), 4);
+        assert!(lengths[3].contains(b) && !lengths[3].contains(a));
     }
 }

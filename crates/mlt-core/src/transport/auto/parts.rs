@@ -6,7 +6,7 @@ use crate::transport::lights::Lights;
 use crate::transport::strata::LightStrata;
 
 /// Fewest and most edges of each class of paths.
-pub(super) const LENGTHS: [[usize; 2]; 3] = [[1, 2], [3, 4], [5, usize::MAX]];
+pub(super) const LENGTHS: [[usize; 2]; 4] = [[1, 1], [2, 2], [3, 4], [5, usize::MAX]];
 
 /// Products of the lights' parts and of groups of kinds, in this order.
 pub(super) struct Parts<'a> {
