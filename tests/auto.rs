@@ -89,7 +89,7 @@ fn short_renders_have_no_bias_whatever_is_decided() {
     let world = mirrored();
     let camera = world.camera(SIZE);
     let of_seed = |seed: u64| {
-        let settings = Settings { seed, ..auto(Count(2), 2.0) };
+        let settings = Settings { seed, ..auto(Count(2), 4.0) };
         let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());
         let decided = renderer.decision().expect("decided").clone();
         (replicas(&world, SIZE, &settings, 0..1).images.remove(0), decided)
@@ -120,7 +120,7 @@ fn easy_light_is_left_to_path_tracing() {
 
 #[test]
 fn threads_and_split_rounds_change_no_bit() {
-    let file = format!("{}/../../scenes/lights-200/lights-200.gltf", env!("CARGO_MANIFEST_DIR"));
+    let file = format!("{}/../../scenes/hidden-light/hidden-light.gltf", env!("CARGO_MANIFEST_DIR"));
     let world = World::new(mlt_scene::open(file).unwrap().description);
     let settings = auto(Whole, 32.0);
     let render = |threads: usize, rounds: &[Range<u64>]| {

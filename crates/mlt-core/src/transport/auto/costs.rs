@@ -50,6 +50,8 @@ pub(super) fn costs(
     let scale = pixels.powi(-2) * TIME_OF_A_CHAINS_RAY;
     let side = |error: f64, work: f64| (error * work * scale).sqrt();
     let chains = match chains.chain_error {
+        // A few rounds do not tell which of the lamps in view chains have not found, and a camera ray finds them all.
+        _ if longest == 1 => f64::INFINITY,
         Some(error) => side(error, chains.mutation_cost) + side(chains.sample_error, chains.sample_cost),
         // Chains that found no light where samples did are no use.
         None if found.iter().any(|[energy, _]| *energy > 0.0) => f64::INFINITY,

@@ -25,7 +25,7 @@ pub(super) struct Decision {
 }
 
 /// A mixture is to be better than every single method by this factor, since it is chosen by noisy figures.
-const MIXTURE_GAIN: f64 = 0.8;
+const MIXTURE_GAIN: f64 = 0.6;
 
 /// Finds the cheapest of all ways to give each part to one independent method or to chains.
 ///
