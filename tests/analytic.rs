@@ -70,7 +70,7 @@ fn a_furnace_of_diffuse_walls() {
     let walls = Bsdf::Lambert(Lambert { reflectance });
     add(&mut description, inside_of_a_box(1.0), walls, Rgb::ONE - reflectance);
     description.cameras.push(pose(DVec3::new(0.2, 0.3, 0.1), DVec3::new(0.0, -1.0, -1.0), 60.0));
-    check("diffuse furnace", &World::new(description), &uniform_image(Rgb::ONE), [200.0, 3000.0]);
+    check("diffuse furnace", &World::new(description), &uniform_image(Rgb::ONE), [200.0, 6000.0]);
 }
 
 /// Black walls of radiance 1 about something.
