@@ -75,7 +75,7 @@ impl Candidate {
         if longest > self.max_edges { f64::INFINITY } else { self.scale[usize::from(longest > 2)] }
     }
 
-    /// Whether two make the same samples but for the lengths of paths and the branches.
+    /// Whether it is path tracing, with any number of branches.
     pub(super) fn is_path(&self) -> bool {
         self.sampler != Sampler::Bidirectional
     }
