@@ -60,6 +60,7 @@ pub struct Stream<'a> {
 
 impl<'a> Stream<'a> {
     /// Records in `to` what is drawn.
+    #[inline(always)]
     pub(super) fn new(from: &'a [u32], to: &'a mut Vec<u32>, change: Change, seed: u64) -> Self {
         to.clear();
         Self { from, to, change, random: seed }

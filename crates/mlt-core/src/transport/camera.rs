@@ -1,7 +1,7 @@
 //! The pinhole camera.
 
 use super::vertex::Vertex;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec3A};
 
 /// Where the camera stands and what it takes in; the image's aspect ratio comes with its size.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +27,8 @@ pub struct CameraPose {
 pub struct Camera {
     vertex: Vertex,
     /// Half the image's width and height on the plane at distance 1, along the image's axes.
-    right: Vec3,
-    down: Vec3,
+    right: Vec3A,
+    down: Vec3A,
     size: [u32; 2],
     /// Area of the image on the plane at distance 1.
     area: f32,
@@ -39,9 +39,9 @@ impl Camera {
         let half_height = (0.5 * pose.vertical_fov).tan();
         let half_width = half_height * size[0] as f32 / size[1] as f32;
         Self {
-            vertex: Vertex::camera(position, pose.forward),
-            right: half_width * pose.forward.cross(pose.up),
-            down: -half_height * pose.up,
+            vertex: Vertex::camera(position.into(), pose.forward.into()),
+            right: (half_width * pose.forward.cross(pose.up)).into(),
+            down: (-half_height * pose.up).into(),
             size,
             area: 4.0 * half_width * half_height,
         }
@@ -70,14 +70,14 @@ impl Camera {
 
     /// Unit direction through a point of the image, given in [0, 1)² from the top left corner.
     #[inline]
-    pub fn direction(&self, image: Vec2) -> Vec3 {
+    pub fn direction(&self, image: Vec2) -> Vec3A {
         let p = 2.0 * image - Vec2::ONE;
         (self.vertex.geometric_normal + p.x * self.right + p.y * self.down).normalize()
     }
 
     /// The point of the image that a direction from the pinhole passes through; `None` outside the image.
     #[inline]
-    pub fn image_point(&self, direction: Vec3) -> Option<Vec2> {
+    pub fn image_point(&self, direction: Vec3A) -> Option<Vec2> {
         let cos = self.vertex.geometric_normal.dot(direction);
         let plane = Vec2::new(direction.dot(self.right), direction.dot(self.down)) / cos;
         let image = 0.5 * (plane / Vec2::new(self.right.length_squared(), self.down.length_squared()) + Vec2::ONE);

@@ -9,12 +9,12 @@ use super::kind::{Kind, LightEnd, PathEnd};
 use super::mis::square;
 use super::path::{PathVertex, emission, scattering};
 use super::vertex::Vertex;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 
 /// The edge that joins two subpaths, x_{s−1} to x_s.
 struct Edge {
-    to_eye: Vec3,
+    to_eye: Vec3A,
     inverse_square: f32,
 }
 

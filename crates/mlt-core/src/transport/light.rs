@@ -122,7 +122,7 @@ impl Light {
     }
 
     /// Triangle and position at coordinates (u, v).
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, u: f64, v: f64) -> (u32, Vec3) {
         match &self.shape {
             Shape::Parallelogram { origin, edges, primitive } => {

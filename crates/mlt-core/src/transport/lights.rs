@@ -4,7 +4,7 @@ use super::hilbert;
 use super::light::{Light, LightPoint};
 use super::material::Material;
 use super::mesh::Mesh;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 use std::collections::HashMap;
 
 /// No light, in the table of primitives.
@@ -48,9 +48,9 @@ impl Lights {
     }
 
     /// The light point at `position` of a triangle that emits.
-    pub fn point(&self, primitive: u32, position: Vec3) -> Option<LightPoint> {
+    pub fn point(&self, primitive: u32, position: Vec3A) -> Option<LightPoint> {
         let (light, index) = self.of_primitive[primitive as usize];
-        let (u, v) = self.lights.get(light as usize)?.coordinates(index, position);
+        let (u, v) = self.lights.get(light as usize)?.coordinates(index, position.into());
         Some(LightPoint { light, u, v })
     }
 

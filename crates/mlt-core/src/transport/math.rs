@@ -1,23 +1,23 @@
 //! Small geometry: frames and maps from the unit square.
 
-use glam::{Vec2, Vec2Swizzles, Vec3};
+use glam::{Vec2, Vec2Swizzles, Vec3A};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Two unit vectors that complete the unit vector `n` to a right-handed frame (s, t, n).
 ///
 /// Source: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017.
-#[inline]
-pub fn frame(n: Vec3) -> (Vec3, Vec3) {
+#[inline(always)]
+pub fn frame(n: Vec3A) -> (Vec3A, Vec3A) {
     let sign = 1f32.copysign(n.z);
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
-    (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
+    (Vec3A::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3A::new(b, sign + n.y * n.y * a, -n.y))
 }
 
 /// Maps the unit square onto the unit disk, preserving relative area.
 ///
 /// Source: Shirley & Chiu, "A Low Distortion Map Between Disk and Square", 1997.
-#[inline]
+#[inline(always)]
 pub fn square_to_disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - Vec2::ONE;
     // Without a branch: which way it goes is chance.
@@ -30,7 +30,7 @@ pub fn square_to_disk(u: Vec2) -> Vec2 {
 
 /// (cos φ, sin φ) for |φ| ≤ π/4, to 3·10⁻⁷, by their series: the same bits on every machine, and no call. Halves of the
 /// sums do not wait for each other (Estrin's scheme).
-#[inline]
+#[inline(always)]
 pub(super) fn eighth_turn(angle: f32) -> Vec2 {
     const COS: [f32; 3] = [1.0 / 24.0, 1.0 / 720.0, 1.0 / 40320.0];
     const SIN: [f32; 4] = [1.0 / 6.0, 1.0 / 120.0, 1.0 / 5040.0, 1.0 / 362_880.0];
@@ -52,8 +52,8 @@ pub(super) fn on_circle(u: f32) -> Vec2 {
 }
 
 /// A direction about the unit vector `n` with density cosθ/π, sr⁻¹.
-#[inline]
-pub fn cosine_hemisphere(n: Vec3, u: Vec2) -> Vec3 {
+#[inline(always)]
+pub fn cosine_hemisphere(n: Vec3A, u: Vec2) -> Vec3A {
     let d = square_to_disk(u);
     let z = (1.0 - d.length_squared()).max(0.0).sqrt();
     let (s, t) = frame(n);
@@ -62,7 +62,7 @@ pub fn cosine_hemisphere(n: Vec3, u: Vec2) -> Vec3 {
 
 /// `a`·`b` of the vectors, absolute.
 #[inline]
-pub fn abs_dot(a: Vec3, b: Vec3) -> f32 {
+pub fn abs_dot(a: Vec3A, b: Vec3A) -> f32 {
     a.dot(b).abs()
 }
 

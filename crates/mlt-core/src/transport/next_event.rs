@@ -9,7 +9,7 @@ use super::hilbert;
 use super::light::{LightPoint, Piece};
 use super::lights::Lights;
 use super::vertex::Vertex;
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 use std::array;
 
 /// Parts that a node has; a [`Vec4`] holds a number for each.
@@ -87,7 +87,7 @@ impl Node {
     /// of any of the normals with the direction to the vertex, and θ_i' that of the vertex's normal with any direction to
     /// the ball. A bound is zero only where nothing arrives.
     #[inline]
-    fn importance(&self, position: Vec3, normal: Vec3) -> Vec4 {
+    fn importance(&self, position: Vec3A, normal: Vec3A) -> Vec4 {
         let [px, py, pz] = position.to_array().map(Vec4::splat);
         let away = [px - self.centre[0], py - self.centre[1], pz - self.centre[2]];
         let (square, ball_square) = (dot(&away, &away), self.radius * self.radius);

@@ -8,7 +8,7 @@ use super::math::abs_dot;
 use super::scene::Scene;
 use super::vertex::Vertex;
 use crate::engine::{self, Splat};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3A};
 use std::f32::consts::FRAC_1_PI;
 use std::ops::RangeInclusive;
 
@@ -27,7 +27,7 @@ pub struct PathVertex {
     /// Where it is.
     pub vertex: Vertex,
     /// Unit direction to x_{i+1}, the next vertex towards the camera.
-    pub to_eye: Vec3,
+    pub to_eye: Vec3A,
     /// 1/|x_{i+1} − x_i|².
     pub inverse_square: f32,
     /// |cosθ| of the edge to x_{i+1}, at x_i and at x_{i+1}, to the geometric normals.
@@ -43,7 +43,7 @@ pub struct PathVertex {
 impl PathVertex {
     /// A vertex whose neighbours are not known yet.
     pub fn new(vertex: Vertex) -> Self {
-        let (to_eye, scatter) = (Vec3::ZERO, Rgb::ZERO);
+        let (to_eye, scatter) = (Vec3A::ZERO, Rgb::ZERO);
         Self { vertex, to_eye, inverse_square: 0.0, cosines: [0.0; 2], scatter, forward: 0.0, reverse: 0.0 }
     }
 
@@ -178,7 +178,7 @@ impl LightPath {
 }
 
 /// Sets the edge from x_i to x_{i+1}; `None` if they coincide.
-#[inline]
+#[inline(always)]
 pub(super) fn set_edge(vertices: &mut [PathVertex], i: usize) -> Option<()> {
     let [x, y] = vertices.get_mut(i..i + 2)? else { return None };
     let d = y.vertex.position - x.vertex.position;
@@ -191,7 +191,7 @@ pub(super) fn set_edge(vertices: &mut [PathVertex], i: usize) -> Option<()> {
 
 /// Sets the scattering at x_i, whose edges are set, and the densities of its two neighbours, drawn from it.
 /// `None` if it scatters nothing.
-#[inline]
+#[inline(always)]
 pub(super) fn set_scattering(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
     let (before, rest) = vertices.split_at_mut(i);
     let (x, after) = rest.split_first_mut()?;
@@ -213,8 +213,8 @@ pub(super) fn set_scattering(vertices: &mut [PathVertex], i: usize, view: &View)
 
 /// Emitted radiance at x_0, and the density, per solid angle, of the direction that a light subpath starts into.
 /// `None`: nothing.
-#[inline]
-pub(super) fn emission(view: &View, x: &Vertex, to_eye: Vec3) -> Option<Evaluation> {
+#[inline(always)]
+pub(super) fn emission(view: &View, x: &Vertex, to_eye: Vec3A) -> Option<Evaluation> {
     if !x.emits {
         return None;
     }
@@ -225,8 +225,8 @@ pub(super) fn emission(view: &View, x: &Vertex, to_eye: Vec3) -> Option<Evaluati
 }
 
 /// Scattering and densities at a surface or, as W_e, at the camera; `None`: nothing.
-#[inline]
-pub(super) fn scattering(view: &View, x: &PathVertex, to_light: Vec3, to_eye: Vec3) -> Option<Evaluation> {
+#[inline(always)]
+pub(super) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
     if !x.vertex.is_camera() {
         return view.scene.evaluate(&x.vertex, to_light, to_eye);
     }

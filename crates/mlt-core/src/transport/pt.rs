@@ -13,7 +13,7 @@ use super::path::View;
 use super::surface::Sampled;
 use super::vertex::Vertex;
 use crate::engine::{uniform, uniform_f32};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 
 /// Surfaces that a path meets before roulette may end it.
@@ -38,7 +38,7 @@ pub struct PathTracer<'a> {
 #[derive(Clone)]
 struct Walk {
     vertex: Vertex,
-    to_eye: Vec3,
+    to_eye: Vec3A,
     /// Product of scattering and cosines over densities.
     throughput: Rgb,
     /// Density per solid angle of the step to `vertex`, over the squared length of the step; `None` if it came from the
@@ -67,7 +67,7 @@ impl PathTracer<'_> {
     }
 
     /// Grows the path until it ends.
-    #[inline]
+    #[inline(always)]
     fn go_on(&self, mut walk: Walk, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         while walk.edges < self.max_edges && self.scatter(&mut walk, rng).is_some() {
             self.gather(&walk, rng, visit);
@@ -75,7 +75,7 @@ impl PathTracer<'_> {
     }
 
     /// Shows the light that a path brings: what its end emits and what the lights send there.
-    #[inline]
+    #[inline(always)]
     fn gather(&self, walk: &Walk, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         if walk.vertex.emits {
             let kind = Kind::new(walk.edges, walk.edges > 1 && walk.pdf.is_none());
@@ -105,7 +105,7 @@ impl PathTracer<'_> {
     }
 
     /// Light that arrives from a point drawn on the lights, weighed against meeting that point by scattering; and the point.
-    #[inline]
+    #[inline(always)]
     fn direct(&self, walk: &Walk, rng: &mut impl Rng) -> Option<(Rgb, LightPoint)> {
         let scene = self.view.scene;
         let (point, density) = self.next_event.sample(&walk.vertex, uniform(rng), f64::from(uniform_f32(rng)));
@@ -128,7 +128,7 @@ impl PathTracer<'_> {
     }
 
     /// The next step; `None` where the path ends.
-    #[inline]
+    #[inline(always)]
     fn scatter(&self, walk: &mut Walk, rng: &mut impl Rng) -> Option<()> {
         let scene = self.view.scene;
         let Sampled { to_light: direction, weight, pdf } = scene.sample_to_light(&walk.vertex, walk.to_eye, rng)?;

@@ -11,7 +11,7 @@ use super::mesh::Mesh;
 use super::ray::{Hit, Ray};
 use super::space::Space;
 use super::vertex::{ERROR_FACTOR, Vertex};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use std::cell::Cell;
 
 /// What makes a scene unusable.
@@ -142,7 +142,7 @@ impl Scene {
 
     /// The first surface along a direction from a vertex.
     #[inline(always)]
-    pub fn trace(&self, from: &Vertex, direction: Vec3) -> Option<Vertex> {
+    pub fn trace(&self, from: &Vertex, direction: Vec3A) -> Option<Vertex> {
         RAYS.set(RAYS.get() + 1);
         let hit = self.accel.closest(&Ray::new(from.origin(direction), direction))?;
         Some(self.vertex(&hit))
@@ -162,15 +162,15 @@ impl Scene {
     }
 
     /// The light and the vertex at a point of the lights.
-    #[inline]
+    #[inline(always)]
     pub(super) fn light_point(&self, point: &LightPoint) -> (&Light, Vertex) {
         let light = &self.lights.lights[point.light as usize];
         let (primitive, position) = light.at(point.u, point.v);
-        (light, self.vertex_at(primitive, position, None))
+        (light, self.vertex_at(primitive, position.into(), None))
     }
 
     /// The material of a vertex on a surface.
-    #[inline]
+    #[inline(always)]
     pub(super) fn material(&self, vertex: &Vertex) -> &Material {
         &self.materials[vertex.material as usize]
     }
@@ -182,8 +182,8 @@ impl Scene {
     }
 
     /// Radiance that a vertex emits into a direction.
-    #[inline]
-    pub fn emitted(&self, vertex: &Vertex, direction: Vec3) -> Rgb {
+    #[inline(always)]
+    pub fn emitted(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
         let material = self.material(vertex);
         if material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0 {
             material.emission
@@ -192,24 +192,28 @@ impl Scene {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn vertex(&self, hit: &Hit) -> Vertex {
         let p = &self.primitives[hit.primitive as usize];
-        let mix = |[a, b, c]: [Vec3; 3]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c;
+        let mix = |corners: [Vec3; 3]| {
+            let [a, b, c] = corners.map(Vec3A::from);
+            (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c
+        };
         let smooth = (p.normals != FLAT).then(|| mix(self.normals[p.normals as usize]));
         self.vertex_at(hit.primitive, mix(p.vertices), smooth)
     }
 
-    #[inline]
-    fn vertex_at(&self, primitive: u32, position: Vec3, smooth_normal: Option<Vec3>) -> Vertex {
+    #[inline(always)]
+    fn vertex_at(&self, primitive: u32, position: Vec3A, smooth_normal: Option<Vec3A>) -> Vertex {
         let p = &self.primitives[primitive as usize];
+        let normal = Vec3A::from(p.normal);
         let shading_normal = match smooth_normal {
-            None => p.normal,
-            Some(n) => n.normalize_or(p.normal) * 1f32.copysign(n.dot(p.normal)),
+            None => normal,
+            Some(n) => n.normalize_or(normal) * 1f32.copysign(n.dot(normal)),
         };
         Vertex {
             position,
-            geometric_normal: p.normal,
+            geometric_normal: normal,
             shading_normal,
             primitive,
             material: p.material,

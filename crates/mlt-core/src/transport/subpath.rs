@@ -7,11 +7,11 @@ use super::light::LightPoint;
 use super::path::{PathVertex, View, set_edge};
 use super::region::LightRegion;
 use crate::engine::{uniform, uniform_f32};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 
 /// Draws x_0 on `region`, with density M/power per area.
-#[inline]
+#[inline(always)]
 pub(super) fn start_at_light(view: &View, region: &LightRegion, rng: &mut impl Rng) -> (PathVertex, LightPoint) {
     let point = region.sample(uniform(rng), f64::from(uniform_f32(rng)));
     let (light, vertex) = view.scene.light_point(&point);
@@ -21,7 +21,7 @@ pub(super) fn start_at_light(view: &View, region: &LightRegion, rng: &mut impl R
 }
 
 /// Draws x_{i+1} from x_i, and sets the edge between them. The edge from x_{i−1} must be set.
-#[inline]
+#[inline(always)]
 pub(super) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
     let x = &vertices[i].vertex;
     let direction = match i {
@@ -32,20 +32,20 @@ pub(super) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View
 }
 
 /// Follows a direction from x_i to x_{i+1}, and sets the edge between them.
-#[inline]
-pub(super) fn follow_from_light(vertices: &mut [PathVertex], i: usize, direction: Vec3, view: &View) -> Option<()> {
+#[inline(always)]
+pub(super) fn follow_from_light(vertices: &mut [PathVertex], i: usize, direction: Vec3A, view: &View) -> Option<()> {
     vertices[i + 1] = PathVertex::new(view.scene.trace(&vertices[i].vertex, direction)?);
     set_edge(vertices, i)
 }
 
 /// Follows the ray through a point of the image from the camera x_i to x_{i−1}, and sets the edge between them.
-#[inline]
+#[inline(always)]
 pub(super) fn start_at_eye(vertices: &mut [PathVertex], i: usize, image: Vec2, view: &View) -> Option<()> {
     follow_from_eye(vertices, i, view.camera.direction(image), view)
 }
 
 /// Draws x_{i−1} from x_i, and sets the edge between them. The edge to x_{i+1} must be set.
-#[inline]
+#[inline(always)]
 pub(super) fn step_from_eye(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
     let x = &vertices[i];
     if x.vertex.is_camera() {
@@ -57,8 +57,8 @@ pub(super) fn step_from_eye(vertices: &mut [PathVertex], i: usize, view: &View, 
 }
 
 /// Follows a direction from x_i to x_{i−1}, and sets the edge between them.
-#[inline]
-pub(super) fn follow_from_eye(vertices: &mut [PathVertex], i: usize, direction: Vec3, view: &View) -> Option<()> {
+#[inline(always)]
+pub(super) fn follow_from_eye(vertices: &mut [PathVertex], i: usize, direction: Vec3A, view: &View) -> Option<()> {
     vertices[i - 1] = PathVertex::new(view.scene.trace(&vertices[i].vertex, direction)?);
     set_edge(vertices, i - 1)
 }

@@ -1,6 +1,6 @@
 //! A point on a surface, or on the camera.
 
-use glam::Vec3;
+use glam::Vec3A;
 
 /// `Vertex::primitive` of the camera.
 pub const CAMERA: u32 = u32::MAX;
@@ -13,11 +13,11 @@ pub(super) const ERROR_FACTOR: f32 = 16.0 * f32::EPSILON;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
     /// Scene units.
-    pub position: Vec3,
+    pub position: Vec3A,
     /// Unit normal of the triangle, on its front; of the camera: its viewing direction.
-    pub geometric_normal: Vec3,
+    pub geometric_normal: Vec3A,
     /// Unit interpolated normal, on the side of `geometric_normal`.
-    pub shading_normal: Vec3,
+    pub shading_normal: Vec3A,
     /// Triangle, or [`CAMERA`].
     pub primitive: u32,
     /// Index into the scene's materials; 0 for the camera.
@@ -32,7 +32,7 @@ pub struct Vertex {
 
 impl Vertex {
     /// The camera at `position`, looking along `forward`. It may lie on a surface that it looks away from.
-    pub fn camera(position: Vec3, forward: Vec3) -> Self {
+    pub fn camera(position: Vec3A, forward: Vec3A) -> Self {
         Self {
             position,
             geometric_normal: forward,
@@ -54,7 +54,7 @@ impl Vertex {
     /// Start of a ray that leaves into `direction`: moved off the surface by the bound on the position's error, so that
     /// the ray does not meet the surface it leaves.
     #[inline]
-    pub fn origin(&self, direction: Vec3) -> Vec3 {
+    pub fn origin(&self, direction: Vec3A) -> Vec3A {
         self.position + self.geometric_normal * self.error.copysign(self.geometric_normal.dot(direction))
     }
 }

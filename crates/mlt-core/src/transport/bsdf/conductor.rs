@@ -3,7 +3,7 @@
 use super::super::Rgb;
 use super::fresnel::schlick;
 use super::microfacet::Ggx;
-use glam::Vec3;
+use glam::Vec3A;
 
 /// f_s = F(h·l) D G₂/(4 cosθₗ cosθₑ) on either side, F by Schlick from F₀: glTF's metal.
 #[derive(Clone, Debug)]
@@ -17,20 +17,20 @@ pub struct Conductor {
 impl Conductor {
     /// f_s where both directions are on one side.
     #[inline]
-    pub fn eval(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Rgb {
+    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
         let lobe = self.ggx.reflection(n, to_light, to_eye);
         lobe.map_or(Rgb::ZERO, |(cos, value)| schlick(self.f0, 1.0, cos) * value)
     }
 
     /// D_v(h)/(4 h·given).
     #[inline]
-    pub fn pdf(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         self.ggx.reflection_pdf(n, given, sampled)
     }
 
     /// Mirrors `given` about a visible normal.
     #[inline]
-    pub fn sample(&self, n: Vec3, given: Vec3, u: [f32; 3]) -> Option<Vec3> {
+    pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         self.ggx.sample_reflection(n, given, [u[0], u[1]])
     }
 }

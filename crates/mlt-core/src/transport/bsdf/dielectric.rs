@@ -2,7 +2,7 @@
 
 use super::super::Rgb;
 use super::fresnel::{dielectric, reflect, refract};
-use glam::Vec3;
+use glam::Vec3A;
 
 /// Reflects F and refracts 1 - F, with the exact Fresnel term; delta.
 ///
@@ -39,7 +39,7 @@ impl Dielectric {
 
     /// F·η²(eye side) or (1 - F)·tint·η²(eye side), coefficient of δ.
     #[inline]
-    pub fn eval(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Rgb {
+    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
         let (l, e) = (n.dot(to_light), n.dot(to_eye));
         let eta = self.eta(e);
         let tint = if l * e < 0.0 { self.tint } else { Rgb::ONE };
@@ -48,13 +48,13 @@ impl Dielectric {
 
     /// F for a reflection, 1 - F for a refraction.
     #[inline]
-    pub fn event_probability(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn event_probability(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         self.probability(n.dot(given), n.dot(sampled))
     }
 
     /// P(event)·η²(sampled side)·|cosθ(sampled)|, coefficient of δ.
     #[inline]
-    pub fn pdf(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         let (g, s) = (n.dot(given), n.dot(sampled));
         let eta = self.eta(s);
         self.probability(g, s) * eta * eta * s.abs()
@@ -62,7 +62,7 @@ impl Dielectric {
 
     /// Reflects with probability F, else refracts.
     #[inline]
-    pub fn sample(&self, n: Vec3, given: Vec3, u: [f32; 3]) -> Option<Vec3> {
+    pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let g = n.dot(given);
         let f = dielectric(g.abs(), self.eta(-g) / self.eta(g));
         self.delta_direction(n, given, u[2] >= f)
@@ -70,7 +70,7 @@ impl Dielectric {
 
     /// The reflected or the refracted direction; `None`: total reflection, or `given` is tangent.
     #[inline]
-    pub fn delta_direction(&self, n: Vec3, given: Vec3, transmit: bool) -> Option<Vec3> {
+    pub fn delta_direction(&self, n: Vec3A, given: Vec3A, transmit: bool) -> Option<Vec3A> {
         let g = n.dot(given);
         if !transmit {
             let r = reflect(given, n);

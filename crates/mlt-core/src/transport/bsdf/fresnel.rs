@@ -1,7 +1,7 @@
 //! Fresnel reflectance, and the two directions that go with it.
 
 use super::super::Rgb;
-use glam::Vec3;
+use glam::Vec3A;
 
 /// Share of unpolarised light that a smooth interface reflects.
 ///
@@ -37,7 +37,7 @@ pub fn schlick(f0: Rgb, f90: f32, cos: f32) -> Rgb {
 
 /// `v` mirrored about the unit vector `h`: 2(v·h)h - v.
 #[inline]
-pub fn reflect(v: Vec3, h: Vec3) -> Vec3 {
+pub fn reflect(v: Vec3A, h: Vec3A) -> Vec3A {
     (2.0 * v.dot(h) * h - v).normalize_or_zero()
 }
 
@@ -45,7 +45,7 @@ pub fn reflect(v: Vec3, h: Vec3) -> Vec3 {
 ///
 /// t = -v/η + (cosθ/η - cosθ')h,  `eta` = η(far side)/η(near side)
 #[inline]
-pub fn refract(v: Vec3, h: Vec3, eta: f32) -> Option<Vec3> {
+pub fn refract(v: Vec3A, h: Vec3A, eta: f32) -> Option<Vec3A> {
     let cos = v.dot(h).min(1.0);
     let sin2_far = (1.0 - cos * cos) / (eta * eta);
     if sin2_far >= 1.0 {
@@ -83,10 +83,10 @@ mod tests {
 
     #[test]
     fn refraction_obeys_snell_and_returns() {
-        let v = Vec3::new(0.6, 0.0, 0.8);
-        let t = refract(v, Vec3::Z, 1.5).unwrap();
+        let v = Vec3A::new(0.6, 0.0, 0.8);
+        let t = refract(v, Vec3A::Z, 1.5).unwrap();
         assert!((t.x + 0.4).abs() < 1e-6 && t.z < 0.0);
-        assert!((refract(t, -Vec3::Z, 1.0 / 1.5).unwrap() - v).length() < 1e-6);
-        assert!(refract(v, Vec3::Z, 0.5).is_none());
+        assert!((refract(t, -Vec3A::Z, 1.0 / 1.5).unwrap() - v).length() < 1e-6);
+        assert!(refract(v, Vec3A::Z, 0.5).is_none());
     }
 }

@@ -13,7 +13,7 @@
 
 use super::super::math::frame;
 use super::fresnel::reflect;
-use glam::Vec3;
+use glam::Vec3A;
 use std::f32::consts::{FRAC_1_PI, TAU};
 
 /// Directions with a cosine up to this, a few roundings of a dot product, count as tangent and scatter nothing.
@@ -31,7 +31,7 @@ impl Ggx {
     ///
     /// sinθₕ comes from n × h: 1 - cos²θₕ would lose all digits at small α.
     #[inline]
-    pub fn d(self, n: Vec3, h: Vec3) -> f32 {
+    pub fn d(self, n: Vec3A, h: Vec3A) -> f32 {
         let a2 = self.alpha * self.alpha;
         let cos = n.dot(h);
         let t = a2 * cos * cos + n.cross(h).length_squared();
@@ -53,7 +53,7 @@ impl Ggx {
 
     /// cos of the half angle, h·a = h·b ≤ 1, and D(h) G₂/(4 cosθₐ cosθ_b), sr⁻¹; `None`: not on one side.
     #[inline]
-    pub fn reflection(self, n: Vec3, a: Vec3, b: Vec3) -> Option<(f32, f32)> {
+    pub fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<(f32, f32)> {
         let (h, cos_half) = half(n, a, b)?;
         let (ca, cb) = (n.dot(a).abs(), n.dot(b).abs());
         Some((cos_half, self.d(n, h) * 0.5 / (ca * self.root(cb) + cb * self.root(ca))))
@@ -61,13 +61,13 @@ impl Ggx {
 
     /// Density of [`Self::sample_reflection`], D_v(h)/(4 h·given), sr⁻¹.
     #[inline]
-    pub fn reflection_pdf(self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn reflection_pdf(self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         half(n, given, sampled).map_or(0.0, |(h, _)| 0.25 * self.d(n, h) * self.g1_over_cos(n.dot(given).abs()))
     }
 
     /// `given` mirrored about a normal that it sees; `None`: it would go below the surface.
     #[inline]
-    pub fn sample_reflection(self, n: Vec3, given: Vec3, u: [f32; 2]) -> Option<Vec3> {
+    pub fn sample_reflection(self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
         let r = reflect(given, self.sample_normal(n, given, u)?);
         (n.dot(r) * 1f32.copysign(n.dot(given)) > GRAZING).then_some(r)
     }
@@ -78,14 +78,14 @@ impl Ggx {
     ///
     /// Source: Dupuy & Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023.
     #[inline]
-    pub fn sample_normal(self, n: Vec3, v: Vec3, u: [f32; 2]) -> Option<Vec3> {
+    pub fn sample_normal(self, n: Vec3A, v: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
         let n = n * 1f32.copysign(n.dot(v));
         let cos = n.dot(v);
         if cos.is_nan() || cos <= GRAZING {
             return None;
         }
         let (s, t) = frame(n);
-        let w = Vec3::new(self.alpha * v.dot(s), self.alpha * v.dot(t), cos).normalize();
+        let w = Vec3A::new(self.alpha * v.dot(s), self.alpha * v.dot(t), cos).normalize();
         let below = u[1] * (1.0 + w.z);
         let sin = (below * (2.0 - below)).max(0.0).sqrt();
         let (sin_azimuth, cos_azimuth) = (TAU * u[0]).sin_cos();
@@ -97,7 +97,7 @@ impl Ggx {
 
 /// Unit half vector, and the cosine of the half angle, |a + b|/2 ≤ 1; `None`: not on one side, or tangent.
 #[inline]
-fn half(n: Vec3, a: Vec3, b: Vec3) -> Option<(Vec3, f32)> {
+fn half(n: Vec3A, a: Vec3A, b: Vec3A) -> Option<(Vec3A, f32)> {
     let (ca, cb) = (n.dot(a), n.dot(b));
     let one_side = ca.min(cb) > GRAZING || ca.max(cb) < -GRAZING;
     let (sum, length) = (a + b, (a + b).length());
@@ -122,9 +122,9 @@ mod tests {
                 let (t, dt) = (x / (1.0 - x), 1.0 / (1.0 - x).powi(2) / steps as f64);
                 let tan = t * alpha as f64;
                 let cos = 1.0 / (1.0 + tan * tan).sqrt();
-                let h = Vec3::new((tan * cos) as f32, 0.0, cos as f32);
+                let h = Vec3A::new((tan * cos) as f32, 0.0, cos as f32);
                 sum +=
-                    Ggx { alpha }.d(Vec3::Z, h) as f64 * cos.powi(4) * tan * std::f64::consts::TAU * dt * alpha as f64;
+                    Ggx { alpha }.d(Vec3A::Z, h) as f64 * cos.powi(4) * tan * std::f64::consts::TAU * dt * alpha as f64;
             }
             assert!((sum - 1.0).abs() < 1e-3, "α = {alpha}: {sum}");
         }
@@ -133,7 +133,7 @@ mod tests {
     /// Seen along n, P(tanθₕ < t α) = t²/(1 + t²); Kolmogorov–Smirnov, down to the smallest α.
     #[test]
     fn sampled_slopes_at_small_alpha() {
-        let n = Vec3::new(0.36, -0.48, 0.8);
+        let n = Vec3A::new(0.36, -0.48, 0.8);
         let mut rng = Pcg64Mcg::seed_from_u64(11);
         let mut uniform = || (rng.next_u32() >> 8) as f32 / (1u32 << 24) as f32;
         let mut distance = |alpha: f32, assumed: f64| {

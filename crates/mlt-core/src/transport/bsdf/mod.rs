@@ -30,7 +30,7 @@ mod tests;
 mod thin;
 
 use super::Rgb;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3A};
 
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
@@ -88,7 +88,7 @@ impl Bsdf {
 
     /// f_s(to_light → to_eye), sr⁻¹; a delta BSDF: the coefficient of δ.
     #[inline]
-    pub fn eval(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Rgb {
+    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
         match self {
             Self::Black => Rgb::ZERO,
             Self::Lambert(b) => b.eval(n, to_light, to_eye),
@@ -105,7 +105,7 @@ impl Bsdf {
 
     /// Density per unit solid angle of `sample(n, given, ·)` at `sampled`, sr⁻¹; a delta BSDF: the coefficient of δ.
     #[inline]
-    pub fn pdf(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         match self {
             Self::Black => 0.0,
             Self::Lambert(b) => b.pdf(n, given, sampled),
@@ -121,8 +121,8 @@ impl Bsdf {
     }
 
     /// Value and densities at once.
-    #[inline]
-    pub fn evaluate(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Evaluation {
+    #[inline(always)]
+    pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
         match self {
             Self::Lambert(b) => b.evaluate(n, to_light, to_eye),
             _ => self.evaluate_apart(n, to_light, to_eye),
@@ -130,7 +130,7 @@ impl Bsdf {
     }
 
     #[inline(never)]
-    fn evaluate_apart(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Evaluation {
+    fn evaluate_apart(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
         Evaluation {
             value: self.eval(n, to_light, to_eye),
             pdf_to_eye: self.pdf(n, to_light, to_eye),
@@ -140,7 +140,7 @@ impl Bsdf {
 
     /// Draws a direction; `None`: absorbed. `u` are three uniform numbers in [0, 1).
     #[inline]
-    pub fn sample(&self, n: Vec3, given: Vec3, u: [f32; 3]) -> Option<Vec3> {
+    pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         match self {
             Self::Black => None,
             Self::Lambert(b) => Some(b.sample(n, given, Vec2::new(u[0], u[1]))),
@@ -158,7 +158,7 @@ impl Bsdf {
     /// P, dimensionless, of the discrete event (reflection, transmission) that turns `given` into `sampled`, known from
     /// the sides that they are on; 0 for a BSDF that is not delta.
     #[inline]
-    pub fn event_probability(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn event_probability(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         match self {
             Self::Mirror(b) => b.event_probability(n, given, sampled),
             Self::Dielectric(b) => b.event_probability(n, given, sampled),
@@ -169,7 +169,7 @@ impl Bsdf {
 
     /// The direction that a delta BSDF joins to `given` by reflection or by transmission; `None`: there is none.
     #[inline]
-    pub fn delta_direction(&self, n: Vec3, given: Vec3, transmit: bool) -> Option<Vec3> {
+    pub fn delta_direction(&self, n: Vec3A, given: Vec3A, transmit: bool) -> Option<Vec3A> {
         match self {
             Self::Mirror(b) => b.delta_direction(n, given, transmit),
             Self::Dielectric(b) => b.delta_direction(n, given, transmit),

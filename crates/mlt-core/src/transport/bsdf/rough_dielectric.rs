@@ -3,7 +3,7 @@
 use super::super::Rgb;
 use super::fresnel::{dielectric, reflect, refract};
 use super::microfacet::{GRAZING, Ggx};
-use glam::Vec3;
+use glam::Vec3A;
 
 /// GGX microfacets that reflect F and refract 1 - F of what they meet.
 ///
@@ -47,7 +47,7 @@ impl RoughDielectric {
 
     /// `None`: not on two sides, tangent, or joined by no visible microfacet. Symmetric in `a` and `b`.
     #[inline]
-    fn refraction(&self, n: Vec3, a: Vec3, b: Vec3) -> Option<Refraction> {
+    fn refraction(&self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Refraction> {
         let (ca, cb) = (n.dot(a), n.dot(b));
         let two_sides = ca.min(cb) < -GRAZING && ca.max(cb) > GRAZING;
         if !two_sides {
@@ -69,7 +69,7 @@ impl RoughDielectric {
 
     /// f_s, radiance scaling by ηₑ²/ηₗ² included.
     #[inline]
-    pub fn eval(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Rgb {
+    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
         if let Some((cos_h, value)) = self.ggx.reflection(n, to_light, to_eye) {
             return Rgb::splat(self.fresnel(n.dot(to_eye), cos_h) * value);
         }
@@ -82,7 +82,7 @@ impl RoughDielectric {
 
     /// F D_v(h)/(4 h·given), or (1 - F) D_v(h) ηₛ²|h·sampled|/|η_g given + ηₛ sampled|².
     #[inline]
-    pub fn pdf(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         let g = n.dot(given);
         if let Some((cos_h, _)) = self.ggx.reflection(n, given, sampled) {
             return self.fresnel(g, cos_h) * self.ggx.reflection_pdf(n, given, sampled);
@@ -94,7 +94,7 @@ impl RoughDielectric {
 
     /// Reflects about a visible normal with probability F, else refracts; `None`: it would end on the wrong side.
     #[inline]
-    pub fn sample(&self, n: Vec3, given: Vec3, u: [f32; 3]) -> Option<Vec3> {
+    pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let h = self.ggx.sample_normal(n, given, [u[0], u[1]])?;
         let g = n.dot(given);
         let side = 1f32.copysign(g);

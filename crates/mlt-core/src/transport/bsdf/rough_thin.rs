@@ -4,7 +4,7 @@ use super::super::Rgb;
 use super::fresnel::reflect;
 use super::microfacet::{GRAZING, Ggx};
 use super::thin::slab_reflectance;
-use glam::Vec3;
+use glam::Vec3A;
 
 /// A reflection lobe of share R', and the same lobe mirrored through the surface of share (1 - R')·tint.
 ///
@@ -22,7 +22,7 @@ pub struct RoughThin {
 
 /// `v` mirrored through the plane with unit normal `n`.
 #[inline]
-fn through(n: Vec3, v: Vec3) -> Vec3 {
+fn through(n: Vec3A, v: Vec3A) -> Vec3A {
     v - 2.0 * n.dot(v) * n
 }
 
@@ -31,9 +31,9 @@ impl RoughThin {
     ///
     /// It is the direction on the back that is moved, so that eval and pdf see the same rounding.
     #[inline]
-    fn lobe(&self, n: Vec3, a: Vec3, b: Vec3) -> Option<(f32, f32, Vec3, Vec3)> {
+    fn lobe(&self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<(f32, f32, Vec3A, Vec3A)> {
         let reflected = n.dot(a) * n.dot(b) > 0.0;
-        let front = |v: Vec3| if reflected || n.dot(v) > 0.0 { v } else { through(n, v) };
+        let front = |v: Vec3A| if reflected || n.dot(v) > 0.0 { v } else { through(n, v) };
         let (a, b) = (front(a), front(b));
         let (cos_half, value) = self.ggx.reflection(n, a, b)?;
         let r = slab_reflectance(cos_half, self.ior);
@@ -42,7 +42,7 @@ impl RoughThin {
 
     /// f_s.
     #[inline]
-    pub fn eval(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Rgb {
+    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
         let Some((share, value, ..)) = self.lobe(n, to_light, to_eye) else { return Rgb::ZERO };
         let tint = if n.dot(to_light) * n.dot(to_eye) > 0.0 { Rgb::ONE } else { self.tint };
         tint * (share * value)
@@ -50,14 +50,14 @@ impl RoughThin {
 
     /// R' or 1 - R' times D_v(h)/(4 h·given).
     #[inline]
-    pub fn pdf(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         let lobe = self.lobe(n, given, sampled);
         lobe.map_or(0.0, |(share, _, given, sampled)| share * self.ggx.reflection_pdf(n, given, sampled))
     }
 
     /// Mirrors `given` about a visible normal; with probability 1 - R' through the surface as well.
     #[inline]
-    pub fn sample(&self, n: Vec3, given: Vec3, u: [f32; 3]) -> Option<Vec3> {
+    pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let h = self.ggx.sample_normal(n, given, [u[0], u[1]])?;
         let r = reflect(given, h);
         if n.dot(r) * 1f32.copysign(n.dot(given)) <= GRAZING {

@@ -6,8 +6,8 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 /// A normal along no axis.
-fn normal() -> Vec3 {
-    Vec3::new(0.36, -0.48, 0.8)
+fn normal() -> Vec3A {
+    Vec3A::new(0.36, -0.48, 0.8)
 }
 
 fn uniform(rng: &mut Pcg64Mcg) -> f32 {
@@ -19,11 +19,11 @@ fn uniform3(rng: &mut Pcg64Mcg) -> [f32; 3] {
 }
 
 /// At `cos` = n·direction and azimuth 0.7 about the normal.
-fn direction(n: Vec3, cos: f32) -> Vec3 {
+fn direction(n: Vec3A, cos: f32) -> Vec3A {
     spherical(n, cos as f64, 0.7)
 }
 
-fn spherical(n: Vec3, cos: f64, azimuth: f64) -> Vec3 {
+fn spherical(n: Vec3A, cos: f64, azimuth: f64) -> Vec3A {
     let (s, t) = super::super::math::frame(n);
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
     let (s, t, n) = (s.as_dvec3(), t.as_dvec3(), n.as_dvec3());
@@ -49,9 +49,9 @@ mod delta {
     }
 
     /// Every pair (given, sampled) of a few angles on both sides, with η² of the two sides.
-    fn pairs(b: &Bsdf, inside: f32, mut check: impl FnMut(Vec3, Vec3, f32, f32)) {
+    fn pairs(b: &Bsdf, inside: f32, mut check: impl FnMut(Vec3A, Vec3A, f32, f32)) {
         let n = normal();
-        let eta2 = |v: Vec3| if n.dot(v) > 0.0 { 1.0 } else { inside * inside };
+        let eta2 = |v: Vec3A| if n.dot(v) > 0.0 { 1.0 } else { inside * inside };
         for cos in [1.0, 0.8, 0.5, 0.1, 0.01, -0.01, -0.3, -0.8, -1.0] {
             let given = direction(n, cos);
             for sampled in [false, true].into_iter().filter_map(|t| b.delta_direction(n, given, t)) {
@@ -92,7 +92,7 @@ mod delta {
         let n = normal();
         for (b, inside) in all() {
             let mut total = 0.0;
-            let mut last = Vec3::ZERO;
+            let mut last = Vec3A::ZERO;
             pairs(&b, inside, |given, sampled, _, _| {
                 assert!(b.is_delta() && (sampled.length() - 1.0).abs() < 1e-6);
                 let back = b.delta_direction(n, sampled, n.dot(given) * n.dot(sampled) < 0.0).unwrap();
@@ -170,7 +170,7 @@ mod rough {
     }
 
     /// `all` and Lambert at `alphas`, seen at a few angles on both sides.
-    fn cases(alphas: &[f32]) -> Vec<(Bsdf, f32, Vec3)> {
+    fn cases(alphas: &[f32]) -> Vec<(Bsdf, f32, Vec3A)> {
         let lambert = (Bsdf::Lambert(Lambert { reflectance: TINT }), 1.0);
         let bsdfs = alphas.iter().flat_map(|a| all(*a)).chain([lambert]);
         bsdfs
@@ -199,7 +199,7 @@ mod rough {
         }
 
         /// ∫ g dω by 3 × 3 Gauss–Legendre nodes.
-        fn gauss<const N: usize>(self, n: Vec3, g: &impl Fn(Vec3) -> [f64; N]) -> [f64; N] {
+        fn gauss<const N: usize>(self, n: Vec3A, g: &impl Fn(Vec3A) -> [f64; N]) -> [f64; N] {
             let offset = 0.5 * 0.6f64.sqrt();
             let nodes = [(0.5 - offset, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + offset, 5.0 / 18.0)];
             let mut sum = [0.0; N];
@@ -217,10 +217,10 @@ mod rough {
         /// ∫ g dω, halving until `whole` and the sum of the quarters agree.
         fn refine<const N: usize>(
             self,
-            n: Vec3,
+            n: Vec3A,
             whole: [f64; N],
             depth: u32,
-            g: &impl Fn(Vec3) -> [f64; N],
+            g: &impl Fn(Vec3A) -> [f64; N],
         ) -> [f64; N] {
             let quarters = self.quarters().map(|q| (q, q.gauss(n, g)));
             let sum: [f64; N] = std::array::from_fn(|k| quarters.iter().map(|q| q.1[k]).sum());
@@ -234,7 +234,7 @@ mod rough {
     }
 
     /// ∫ g dω over each cell.
-    fn cell_integrals<const N: usize>(n: Vec3, g: &impl Fn(Vec3) -> [f64; N]) -> Vec<[f64; N]> {
+    fn cell_integrals<const N: usize>(n: Vec3A, g: &impl Fn(Vec3A) -> [f64; N]) -> Vec<[f64; N]> {
         let size = [PI / ROWS as f64, TAU / COLUMNS as f64];
         (0..ROWS * COLUMNS)
             .map(|i| Patch { corner: [(i / COLUMNS) as f64 * size[0], (i % COLUMNS) as f64 * size[1]], size })
@@ -243,12 +243,12 @@ mod rough {
     }
 
     /// ∫ g dω over the sphere.
-    fn sphere_integral<const N: usize>(n: Vec3, g: &impl Fn(Vec3) -> [f64; N]) -> [f64; N] {
+    fn sphere_integral<const N: usize>(n: Vec3A, g: &impl Fn(Vec3A) -> [f64; N]) -> [f64; N] {
         let cells = cell_integrals(n, g);
         std::array::from_fn(|k| cells.iter().map(|c| c[k]).sum())
     }
 
-    fn cell(n: Vec3, d: Vec3) -> usize {
+    fn cell(n: Vec3A, d: Vec3A) -> usize {
         let (s, t) = super::super::super::math::frame(n);
         let (x, y, z) = (d.dot(s) as f64, d.dot(t) as f64, d.dot(n) as f64);
         let row = (x.hypot(y).atan2(z) / PI * ROWS as f64) as usize;
@@ -257,7 +257,7 @@ mod rough {
     }
 
     /// p-value of Pearson's χ² of `sample` against `pdf`; absorption is one more cell, the rare cells are joined.
-    fn chi2_p(b: &Bsdf, given: Vec3, draws: usize, seed: u64, pdf: &impl Fn(Vec3) -> f64) -> f64 {
+    fn chi2_p(b: &Bsdf, given: Vec3A, draws: usize, seed: u64, pdf: &impl Fn(Vec3A) -> f64) -> f64 {
         let n = normal();
         let mut expected: Vec<f64> = cell_integrals(n, &|d| [pdf(d)]).iter().map(|c| c[0]).collect();
         expected.push(1.0 - expected.iter().sum::<f64>());
@@ -304,7 +304,7 @@ mod rough {
         let given = direction(n, 0.7);
         for alpha in [0.05, 0.8] {
             for (b, _) in &all(alpha)[2..] {
-                let wrong = |d: Vec3| b.pdf(n, given, d) as f64 * if n.dot(d) < 0.0 { 1.05 } else { 1.0 };
+                let wrong = |d: Vec3A| b.pdf(n, given, d) as f64 * if n.dot(d) < 0.0 { 1.05 } else { 1.0 };
                 let p = chi2_p(b, given, 400_000, 5, &wrong);
                 assert!(p < sidak(147), "p = {p:.2e}: {b:?}");
             }
@@ -317,7 +317,7 @@ mod rough {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         for alpha in [1e-3, 0.05, 0.3, 0.8] {
             for (b, ior) in all(alpha) {
-                let eta2 = |v: Vec3| if n.dot(v) > 0.0 { 1.0 } else { ior * ior };
+                let eta2 = |v: Vec3A| if n.dot(v) > 0.0 { 1.0 } else { ior * ior };
                 for _ in 0..2_000 {
                     let e = direction(n, 2.0 * uniform(&mut rng) - 1.0);
                     let Some(l) = b.sample(n, e, uniform3(&mut rng)) else { continue };
@@ -333,9 +333,9 @@ mod rough {
     fn energy_is_kept_and_sampling_agrees_with_quadrature() {
         let n = normal();
         for (i, (b, ior, eye)) in cases(&[0.05, 0.3, 0.8]).into_iter().enumerate() {
-            let eta2 = |v: Vec3| if n.dot(v) > 0.0 { 1.0 } else { ior * ior };
-            let furnace = |l: Vec3| (b.eval(n, l, eye) * (n.dot(l).abs() * eta2(l) / eta2(eye))).as_dvec3().to_array();
-            let beam = |e: Vec3| (b.eval(n, eye, e) * n.dot(e).abs()).as_dvec3().to_array();
+            let eta2 = |v: Vec3A| if n.dot(v) > 0.0 { 1.0 } else { ior * ior };
+            let furnace = |l: Vec3A| (b.eval(n, l, eye) * (n.dot(l).abs() * eta2(l) / eta2(eye))).as_dvec3().to_array();
+            let beam = |e: Vec3A| (b.eval(n, eye, e) * n.dot(e).abs()).as_dvec3().to_array();
             let both = sphere_integral(n, &|d| {
                 let (f, b) = (furnace(d), beam(d));
                 [f[0], f[1], f[2], b[0]]
@@ -388,7 +388,7 @@ mod rough {
         let mut rng = Pcg64Mcg::seed_from_u64(99);
         for alpha in [1e-6, 1e-5, 1e-4, 1e-2] {
             for (b, ior) in all(alpha) {
-                let eta2 = |v: Vec3| if n.dot(v) > 0.0 { 1.0 } else { ior * ior };
+                let eta2 = |v: Vec3A| if n.dot(v) > 0.0 { 1.0 } else { ior * ior };
                 let bound = if matches!(b, Bsdf::Glossy(_) | Bsdf::Mix(_)) { 2.0 } else { 1.0 + 1e-4 };
                 for _ in 0..20_000 {
                     let e = direction(n, 2.0 * uniform(&mut rng) - 1.0);
@@ -454,7 +454,7 @@ fn finite_whatever_the_input() {
         .collect();
     for i in 0..1_000_000 {
         let b = &bsdfs[i % bsdfs.len()];
-        let n = random_direction(&mut rng, Vec3::X, Vec3::X);
+        let n = random_direction(&mut rng, Vec3A::X, Vec3A::X);
         let given = random_direction(&mut rng, n, n);
         let other = random_direction(&mut rng, n, given);
         let u = uniform3(&mut rng).map(|u| {
@@ -483,10 +483,10 @@ fn finite_whatever_the_input() {
 }
 
 /// Uniform, or one of `n`, -`n`, ±`v`, a tangent to `n`, and directions within a few roundings of those.
-fn random_direction(rng: &mut Pcg64Mcg, n: Vec3, v: Vec3) -> Vec3 {
+fn random_direction(rng: &mut Pcg64Mcg, n: Vec3A, v: Vec3A) -> Vec3A {
     let mut uniform_direction = || {
-        let d = Vec3::from_array(uniform3(rng)) * 2.0 - 1.0;
-        d.try_normalize().unwrap_or(Vec3::Z)
+        let d = Vec3A::from_array(uniform3(rng)) * 2.0 - 1.0;
+        d.try_normalize().unwrap_or(Vec3A::Z)
     };
     let (free, noise) = (uniform_direction(), uniform_direction());
     let d = match rng.next_u32() % 8 {
@@ -498,5 +498,5 @@ fn random_direction(rng: &mut Pcg64Mcg, n: Vec3, v: Vec3) -> Vec3 {
         _ => free,
     };
     let noise = noise * [0.0, 0.0, 1e-7, 1e-5, 1e-3][rng.next_u32() as usize % 5];
-    (d + noise).try_normalize().unwrap_or(Vec3::Z)
+    (d + noise).try_normalize().unwrap_or(Vec3A::Z)
 }

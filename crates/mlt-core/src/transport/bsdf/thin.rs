@@ -2,7 +2,7 @@
 
 use super::super::Rgb;
 use super::fresnel::{dielectric, reflect};
-use glam::Vec3;
+use glam::Vec3A;
 
 /// Share that a wall reflects, over all reflections between its two faces.
 ///
@@ -40,7 +40,7 @@ impl Thin {
 
     /// R' or (1 - R')·tint, coefficient of δ.
     #[inline]
-    pub fn eval(&self, n: Vec3, to_light: Vec3, to_eye: Vec3) -> Rgb {
+    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
         let (l, e) = (n.dot(to_light), n.dot(to_eye));
         let tint = if l * e < 0.0 { self.tint } else { Rgb::ONE };
         tint * self.probability(l, e)
@@ -48,25 +48,25 @@ impl Thin {
 
     /// R' for a reflection, 1 - R' for a transmission.
     #[inline]
-    pub fn event_probability(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn event_probability(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         self.probability(n.dot(given), n.dot(sampled))
     }
 
     /// P(event)·|cosθ(sampled)|, coefficient of δ.
     #[inline]
-    pub fn pdf(&self, n: Vec3, given: Vec3, sampled: Vec3) -> f32 {
+    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
         self.event_probability(n, given, sampled) * n.dot(sampled).abs()
     }
 
     /// Reflects with probability R', else goes straight on.
     #[inline]
-    pub fn sample(&self, n: Vec3, given: Vec3, u: [f32; 3]) -> Option<Vec3> {
+    pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         self.delta_direction(n, given, u[2] >= slab_reflectance(n.dot(given).abs(), self.ior))
     }
 
     /// The reflected or the opposite direction; `None`: `given` is tangent.
     #[inline]
-    pub fn delta_direction(&self, n: Vec3, given: Vec3, transmit: bool) -> Option<Vec3> {
+    pub fn delta_direction(&self, n: Vec3A, given: Vec3A, transmit: bool) -> Option<Vec3A> {
         let g = n.dot(given);
         let d = if transmit { -given } else { reflect(given, n) };
         (if transmit { g != 0.0 } else { n.dot(d) * g > 0.0 }).then_some(d)

@@ -12,7 +12,7 @@ use super::super::math::{eighth_turn, frame, on_circle};
 use super::super::path::{LightPath, View};
 use super::super::subpath::{follow_from_eye, follow_from_light, start_at_eye};
 use crate::engine::uniform_f32;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 use std::f32::consts::PI;
 
@@ -28,7 +28,7 @@ const LARGEST_SHARE: f32 = 0.02;
 
 /// `unit` turned by an angle of density ∝ 1/θ, uniformly about it. The density per solid angle depends on θ alone, so it is
 /// that of the way back.
-pub(super) fn turned(unit: Vec3, rng: &mut impl Rng) -> Vec3 {
+pub(super) fn turned(unit: Vec3A, rng: &mut impl Rng) -> Vec3A {
     let Vec2 { x: cos, y: sin } = eighth_turn(log_uniform(TURN, rng));
     let about = on_circle(uniform_f32(rng));
     let (s, t) = frame(unit);
@@ -126,7 +126,7 @@ fn next_direction(
     i: usize,
     towards: Towards,
     rng: &mut impl Rng,
-) -> Option<Vec3> {
+) -> Option<Vec3A> {
     let (old, new) = (&current.vertices[i], &proposal.vertices[i]);
     if old.vertex.delta != new.vertex.delta {
         return None;

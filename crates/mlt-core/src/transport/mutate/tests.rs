@@ -17,7 +17,7 @@ use super::super::stratum::LightStratum;
 use super::super::{Rgb, mis};
 use super::PathMutation;
 use crate::engine::{Mutation, Purpose, generator};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3A};
 use std::f64::consts::{PI, TAU};
 
 const MOST_EDGES: usize = 6;
@@ -68,8 +68,8 @@ fn scene() -> Scene {
 }
 
 fn pose() -> CameraPose {
-    let forward = Vec3::new(0.05, -0.25, -1.0).normalize();
-    let up = forward.cross(Vec3::Y).cross(forward).normalize();
+    let forward = Vec3A::new(0.05, -0.25, -1.0).normalize();
+    let up = forward.cross(Vec3A::Y).cross(forward).normalize();
     let position = DVec3::new(0.1, 1.7, 3.5);
     CameraPose { name: String::new(), position, forward, up, vertical_fov: 0.9, aspect_ratio: None }
 }
