@@ -81,7 +81,8 @@ fn hit(stage: &Stage, accel: &Accel, ray: &Ray) -> Option<(Vec3, Vec3)> {
 
 fn bounce(stage: &Stage, accel: &Accel, ray: &Ray, rng: &mut Pcg32) -> Option<Ray> {
     let (origin, normal) = hit(stage, accel, ray)?;
-    Some(Ray::new(origin, math::cosine_hemisphere(normal, Vec2::new(uniform(rng), uniform(rng)))))
+    let direction = math::cosine_hemisphere(normal.into(), Vec2::new(uniform(rng), uniform(rng)));
+    Some(Ray::new(origin, direction.into()))
 }
 
 fn shadow(stage: &Stage, accel: &Accel, ray: &Ray, rng: &mut Pcg32) -> Option<Ray> {

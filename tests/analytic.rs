@@ -2,7 +2,7 @@
 
 mod proof_support;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3, Vec3A};
 use mlt_core::transport::{
     Rgb,
     bsdf::{Bsdf, Lambert, MetallicRoughness},
@@ -137,8 +137,8 @@ fn albedo(bsdf: &Bsdf, to_eye: Vec3) -> DVec3 {
         for j in 0..n {
             let phi = TAU * (f64::from(j) + 0.5) / f64::from(n);
             let sin = (1.0 - cos * cos).sqrt();
-            let to_light = DVec3::new(sin * phi.cos(), cos, sin * phi.sin()).as_vec3();
-            sum += bsdf.eval(Vec3::Y, to_light, to_eye).as_dvec3() * cos.abs();
+            let to_light = DVec3::new(sin * phi.cos(), cos, sin * phi.sin()).as_vec3a();
+            sum += bsdf.eval(Vec3A::Y, to_light, to_eye.into()).as_dvec3() * cos.abs();
         }
     }
     sum * 4.0 * PI / f64::from(n * n)

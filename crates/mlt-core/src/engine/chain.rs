@@ -11,6 +11,8 @@ pub struct Chain<'a, P, S, M, I> {
     current: P,
     proposal: P,
     current_importance: f64,
+    /// Σ of the mutations' suitabilities at `current`.
+    current_total: f64,
     pending: f64,
     rejections: Rejections,
     stats: StratumStats,
@@ -32,6 +34,7 @@ where
             importance,
             stratum,
             proposal: start.clone(),
+            current_total: mixture.total(&start),
             current: start,
             current_importance,
             pending: 0.0,
@@ -52,7 +55,7 @@ where
     ///
     /// Source: [VeachGuibas97], sections 4.1 and 5.1.
     pub fn step(&mut self, sink: &mut impl Sink<P::Splat>, scale: f64, rng: &mut impl Rng) {
-        let Candidate { mutation, importance, acceptance } = match self.propose(rng) {
+        let Candidate { mutation, importance, total, acceptance } = match self.propose(rng) {
             Ok(candidate) => candidate,
             Err(mutation) => {
                 self.pending += 1.0;
@@ -63,7 +66,7 @@ where
         if uniform(rng) < acceptance {
             self.flush(sink, scale);
             std::mem::swap(&mut self.current, &mut self.proposal);
-            self.current_importance = importance;
+            (self.current_importance, self.current_total) = (importance, total);
             self.pending = acceptance;
             self.rejections.of_any = 0;
             self.rejections.of_each[mutation] = 0;
@@ -104,25 +107,29 @@ where
 
     /// Writes a proposal; where there is none that could be accepted, which is counted here, the mutation that failed.
     fn propose(&mut self, rng: &mut impl Rng) -> Result<Candidate, Option<usize>> {
-        let Some((mutation, probability)) = self.mixture.select(&self.current, rng) else {
+        let Some((chosen, suitability)) = self.mixture.select(&self.current, self.current_total, rng) else {
             self.stats.idle += 1;
             return Err(None);
         };
-        let proposed = self.mixture.mutations()[mutation].propose(&self.current, &mut self.proposal, self.stratum, rng);
-        let stats = &mut self.stats.mutations[mutation];
+        let mutation = &self.mixture.mutations()[chosen];
+        let proposed = mutation.propose(&self.current, &mut self.proposal, self.stratum, rng);
+        let stats = &mut self.stats.mutations[chosen];
         let Some(ratio) = proposed else {
             stats.failed += 1;
-            return Err(Some(mutation));
+            return Err(Some(chosen));
         };
         let inside = self.stratum.contains(&self.proposal);
         let importance = if inside { self.importance.eval(&self.proposal) } else { 0.0 };
-        let ratio = ratio * self.mixture.probability(mutation, &self.proposal) / probability;
-        let acceptance = importance * ratio / self.current_importance;
+        // p_m(y) / p_m(x) = s_m(y) Σ_n s_n(x) / (s_m(x) Σ_n s_n(y)); what s_m(y) = 0 says of the way back comes before a total of 0.
+        let total = self.mixture.total(&self.proposal);
+        let weight = mutation.suitability(&self.proposal) * self.current_total;
+        let flow = importance * ratio * weight;
+        let acceptance = if flow == 0.0 { 0.0 } else { flow / (self.current_importance * suitability * total) };
         if !(importance.is_finite() && acceptance.is_finite() && acceptance >= 0.0) {
             stats.non_finite += 1;
-            return Err(Some(mutation));
+            return Err(Some(chosen));
         }
-        Ok(Candidate { mutation, importance, acceptance: acceptance.min(1.0) })
+        Ok(Candidate { mutation: chosen, importance, total, acceptance: acceptance.min(1.0) })
     }
 }
 
@@ -138,6 +145,8 @@ struct Rejections {
 struct Candidate {
     mutation: usize,
     importance: f64,
+    /// Σ of the mutations' suitabilities there.
+    total: f64,
     acceptance: f64,
 }
 

@@ -23,30 +23,23 @@ impl<P, S, M: Mutation<P, S>> Mixture<P, S, M> {
         &self.mutations
     }
 
-    /// Draws m with probability p_m(x); `None` where no mutation applies.
-    pub(super) fn select(&self, path: &P, rng: &mut impl Rng) -> Option<(usize, f64)> {
-        let total = self.total(path);
-        if total <= 0.0 {
-            return None;
-        }
+    /// Draws m with probability p_m(x); returns it with s_m(x). `total`: Σ_n s_n(x). `None` where no mutation applies.
+    #[inline]
+    pub(super) fn select(&self, path: &P, total: f64, rng: &mut impl Rng) -> Option<(usize, f64)> {
         let mut remaining = uniform(rng) * total;
         for (m, mutation) in self.mutations.iter().enumerate() {
             let suitability = mutation.suitability(path);
             if remaining < suitability {
-                return Some((m, suitability / total));
+                return Some((m, suitability));
             }
             remaining -= suitability;
         }
         None
     }
 
-    /// p_m(x).
-    pub(super) fn probability(&self, m: usize, path: &P) -> f64 {
-        let suitability = self.mutations[m].suitability(path);
-        if suitability > 0.0 { suitability / self.total(path) } else { 0.0 }
-    }
-
-    fn total(&self, path: &P) -> f64 {
+    /// Σ_n s_n(x).
+    #[inline]
+    pub(super) fn total(&self, path: &P) -> f64 {
         self.mutations.iter().map(|m| m.suitability(path)).sum()
     }
 }

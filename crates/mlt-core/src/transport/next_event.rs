@@ -283,7 +283,7 @@ mod tests {
 
     fn vertices(world: &World) -> Vec<Vertex> {
         let mut rng = generator(1, Purpose::Sample, 0, 0, 0);
-        let mut direction = || DVec3::from_array([0; 3].map(|_| uniform(&mut rng) - 0.5)).normalize().as_vec3();
+        let mut direction = || DVec3::from_array([0; 3].map(|_| uniform(&mut rng) - 0.5)).normalize().as_vec3a();
         (0..60).filter_map(|_| world.scene.trace(&world.camera.vertex(), direction())).collect()
     }
 
@@ -344,7 +344,7 @@ mod tests {
         let world = lamps();
         let tree = NextEvent::new(world.scene.lights());
         // Beside the small ball of light.
-        let near = Vertex { position: Vec3::new(0.3, 0.3, -0.4), ..vertices(&world)[0] };
+        let near = Vertex { position: Vec3A::new(0.3, 0.3, -0.4), ..vertices(&world)[0] };
         let mut rng = generator(4, Purpose::Sample, 0, 0, 0);
         let drawn = |light: u32, rng: &mut _| {
             let hits = (0..2000).filter(|_| {

@@ -1,21 +1,21 @@
 //! A ray and what it hits.
 
-use glam::Vec3A;
+use glam::Vec3;
 
 /// The segment { origin + t·direction : 0 < t ≤ t_max }.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Start, scene units.
-    pub origin: Vec3A,
+    pub origin: Vec3,
     /// Any non-zero length; t is in units of it.
-    pub direction: Vec3A,
+    pub direction: Vec3,
     /// Largest t, inclusive.
     pub t_max: f32,
 }
 
 impl Ray {
     /// A ray without end.
-    pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_max: f32::INFINITY }
     }
 }

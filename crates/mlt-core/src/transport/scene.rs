@@ -144,7 +144,7 @@ impl Scene {
     #[inline(always)]
     pub fn trace(&self, from: &Vertex, direction: Vec3A) -> Option<Vertex> {
         RAYS.set(RAYS.get() + 1);
-        let hit = self.accel.closest(&Ray::new(from.origin(direction), direction))?;
+        let hit = self.accel.closest(&Ray::new(from.origin(direction).into(), direction.into()))?;
         Some(self.vertex(&hit))
     }
 
@@ -158,7 +158,7 @@ impl Scene {
         let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
         let towards_b = b.position - a.position;
         let (from, to) = (a.origin(towards_b), b.origin(-towards_b));
-        !self.accel.occluded(&Ray { origin: from, direction: to - from, t_max: 1.0 })
+        !self.accel.occluded(&Ray { origin: from.into(), direction: (to - from).into(), t_max: 1.0 })
     }
 
     /// The light and the vertex at a point of the lights.

@@ -27,7 +27,7 @@ fn spherical(n: Vec3A, cos: f64, azimuth: f64) -> Vec3A {
     let (s, t) = super::super::math::frame(n);
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
     let (s, t, n) = (s.as_dvec3(), t.as_dvec3(), n.as_dvec3());
-    (sin * azimuth.cos() * s + sin * azimuth.sin() * t + cos * n).as_vec3()
+    (sin * azimuth.cos() * s + sin * azimuth.sin() * t + cos * n).as_vec3a()
 }
 
 fn close(a: f32, b: f32, relative: f32) -> bool {

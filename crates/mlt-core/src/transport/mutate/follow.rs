@@ -8,6 +8,7 @@
 //! q_i = forward_i / P(event)       after a specular vertex   (reverse_i where the tracing goes towards the light)
 //! q_i = reverse_i                  after the camera.
 
+use super::super::camera::Camera;
 use super::super::math::{eighth_turn, frame, on_circle};
 use super::super::path::{LightPath, View};
 use super::super::subpath::{follow_from_eye, follow_from_light, start_at_eye};
@@ -35,13 +36,29 @@ pub(super) fn turned(unit: Vec3A, rng: &mut impl Rng) -> Vec3A {
     (cos * unit + sin * (about.x * s + about.y * t)).normalize()
 }
 
-/// A point of the image at a distance of density ∝ 1/r, in pixels, uniformly about `image`; `None` outside the image.
-pub(super) fn moved(image: Vec2, view: &View, rng: &mut impl Rng) -> Option<Vec2> {
-    let [w, h] = view.camera.size().map(|n| n as f32);
-    let largest = (LARGEST_SHARE * w * h / PI).sqrt().max(2.0 * LEAST_PIXELS);
-    let distance = log_uniform([LEAST_PIXELS, largest], rng);
-    let moved = image + distance * on_circle(uniform_f32(rng)) / Vec2::new(w, h);
-    (moved.cmpge(Vec2::ZERO).all() && moved.cmplt(Vec2::ONE).all()).then_some(moved)
+/// The law of moves on an image: by a distance with density ∝ 1/r, in pixels, in any direction.
+#[derive(Clone, Copy, Debug)]
+struct ImageMove {
+    /// Shortest and longest, pixels.
+    range: [f32; 2],
+    /// Size of a pixel, in [0, 1)².
+    pixel: Vec2,
+}
+
+impl ImageMove {
+    fn new(camera: &Camera) -> Self {
+        let [w, h] = camera.size().map(|n| n as f32);
+        let largest = (LARGEST_SHARE * w * h / PI).sqrt().max(2.0 * LEAST_PIXELS);
+        Self { range: [LEAST_PIXELS, largest], pixel: Vec2::new(w, h).recip() }
+    }
+
+    /// A point some way from `image`; `None` outside the image.
+    #[inline]
+    fn apply(&self, image: Vec2, rng: &mut impl Rng) -> Option<Vec2> {
+        let distance = log_uniform(self.range, rng);
+        let moved = image + distance * on_circle(uniform_f32(rng)) * self.pixel;
+        (moved.cmpge(Vec2::ZERO).all() && moved.cmplt(Vec2::ONE).all()).then_some(moved)
+    }
 }
 
 /// A number between two, of density ∝ 1/r but for 0.3 %: any law will do that does not depend on the state.
@@ -55,36 +72,50 @@ fn log_uniform([least, largest]: [f32; 2], rng: &mut impl Rng) -> f32 {
     largest * power * (1.0 - f * (0.6716 - 0.1716 * f))
 }
 
-/// Replaces x_{k−1} … x_m by perturbed vertices, from the camera: the camera ray is moved, and what leaves a diffuse vertex is
-/// turned. Then connects x_m to x_{m−1}, unless it is a light itself, and returns T(y→x)/T(x→y).
-pub(super) fn perturb_from_eye(
-    view: &View,
-    current: &LightPath,
-    proposal: &mut LightPath,
-    m: usize,
-    rng: &mut impl Rng,
-) -> Option<f64> {
-    let image = moved(current.image, view, rng)?;
-    let last = current.edges();
-    proposal.clone_from(current);
-    start_at_eye(&mut proposal.vertices, last, image, view)?;
-    for i in (m + 1..last).rev() {
-        let direction = next_direction(view, [current, proposal], i, Towards::Light, rng)?;
-        follow_from_eye(&mut proposal.vertices, i, direction, view)?;
+/// Perturbations that begin at the camera: the camera ray is moved, and what leaves a diffuse vertex is turned.
+#[derive(Clone, Copy)]
+pub(super) struct FromEye<'a> {
+    view: View<'a>,
+    moves: ImageMove,
+}
+
+impl<'a> FromEye<'a> {
+    pub(super) fn new(view: View<'a>) -> Self {
+        Self { view, moves: ImageMove::new(view.camera) }
     }
-    if proposal.vertices[m].vertex.delta {
-        return None;
+
+    /// Replaces x_{k−1} … x_m by perturbed vertices. Then connects x_m to x_{m−1}, unless it is a light itself, and returns
+    /// T(y→x)/T(x→y).
+    pub(super) fn perturb(
+        &self,
+        current: &LightPath,
+        proposal: &mut LightPath,
+        m: usize,
+        rng: &mut impl Rng,
+    ) -> Option<f64> {
+        let view = &self.view;
+        let image = self.moves.apply(current.image, rng)?;
+        let last = current.edges();
+        proposal.clone_from(current);
+        start_at_eye(&mut proposal.vertices, last, image, view)?;
+        for i in (m + 1..last).rev() {
+            let direction = next_direction(view, [current, proposal], i, Towards::Light, rng)?;
+            follow_from_eye(&mut proposal.vertices, i, direction, view)?;
+        }
+        if proposal.vertices[m].vertex.delta {
+            return None;
+        }
+        let changed = m.saturating_sub(1)..=last;
+        if m == 0 {
+            let x = &proposal.vertices[0].vertex;
+            proposal.light = view.scene.lights().point(x.primitive, x.position)?;
+            proposal.update(view, changed)?;
+        } else {
+            proposal.connect(view, m, changed)?;
+        }
+        let density = |path: &LightPath| -> f64 { (m..last).map(|i| density_from_eye(view, path, i)).product() };
+        Some(density(current) / density(proposal))
     }
-    let changed = m.saturating_sub(1)..=last;
-    if m == 0 {
-        let x = &proposal.vertices[0].vertex;
-        proposal.light = view.scene.lights().point(x.primitive, x.position)?;
-        proposal.update(view, changed)?;
-    } else {
-        proposal.connect(view, m, changed)?;
-    }
-    let density = |path: &LightPath| -> f64 { (m..last).map(|i| density_from_eye(view, path, i)).product() };
-    Some(density(current) / density(proposal))
 }
 
 /// Replaces x_{l+1} … x_{k−1} by perturbed vertices, from the light's side: what leaves x_l is turned. Then connects x_{k−1} to

@@ -11,17 +11,21 @@
 //! Source: [VeachGuibas97], section 5.3.3.
 
 use super::super::path::{LightPath, View};
-use super::follow::{SUITABILITY, perturb_from_eye};
+use super::follow::{FromEye, SUITABILITY};
 use rand_pcg::rand_core::Rng;
 
 /// Moves the camera ray.
 #[derive(Clone, Copy)]
 pub struct LensPerturbation<'a> {
-    /// Scene and camera.
-    pub view: View<'a>,
+    from_eye: FromEye<'a>,
 }
 
-impl LensPerturbation<'_> {
+impl<'a> LensPerturbation<'a> {
+    /// For the paths of a view.
+    pub fn new(view: View<'a>) -> Self {
+        Self { from_eye: FromEye::new(view) }
+    }
+
     /// Positive for paths of its form, else 0.
     pub fn suitability(&self, current: &LightPath) -> f64 {
         let m = first_diffuse(current, current.edges());
@@ -31,7 +35,7 @@ impl LensPerturbation<'_> {
 
     /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
     pub fn propose(&self, current: &LightPath, proposal: &mut LightPath, rng: &mut impl Rng) -> Option<f64> {
-        perturb_from_eye(&self.view, current, proposal, first_diffuse(current, current.edges()), rng)
+        self.from_eye.perturb(current, proposal, first_diffuse(current, current.edges()), rng)
     }
 }
 
@@ -54,7 +58,7 @@ mod tests {
 
     /// Moves of paths of the form that the perturbation applies to.
     fn suited<'a>(world: &'a World, x: &LightPath) -> Option<LensPerturbation<'a>> {
-        let lens = LensPerturbation { view: world.view() };
+        let lens = LensPerturbation::new(world.view());
         (lens.suitability(x) > 0.0).then_some(lens)
     }
 

@@ -36,8 +36,8 @@ impl<'a> PathMutation<'a> {
     pub fn all(view: View<'a>) -> Vec<Self> {
         let mut all = vec![
             Self::Bidirectional(BidirectionalMutation { view }),
-            Self::Lens(LensPerturbation { view }),
-            Self::MultiChain(MultiChainPerturbation { view }),
+            Self::Lens(LensPerturbation::new(view)),
+            Self::MultiChain(MultiChainPerturbation::new(view)),
         ];
         if view.scene.materials().iter().any(|m| m.bsdf.is_delta()) {
             all.push(Self::Caustic(CausticPerturbation { view }));

@@ -16,18 +16,22 @@
 //! specular vertex.
 
 use super::super::path::{LightPath, View};
-use super::follow::{SUITABILITY, perturb_from_eye};
+use super::follow::{FromEye, SUITABILITY};
 use super::lens::first_diffuse;
 use rand_pcg::rand_core::Rng;
 
 /// Moves the camera ray and turns the directions behind it.
 #[derive(Clone, Copy)]
 pub struct MultiChainPerturbation<'a> {
-    /// Scene and camera.
-    pub view: View<'a>,
+    from_eye: FromEye<'a>,
 }
 
-impl MultiChainPerturbation<'_> {
+impl<'a> MultiChainPerturbation<'a> {
+    /// For the paths of a view.
+    pub fn new(view: View<'a>) -> Self {
+        Self { from_eye: FromEye::new(view) }
+    }
+
     /// Positive for paths with another vertex to move behind the first diffuse one, else 0.
     pub fn suitability(&self, current: &LightPath) -> f64 {
         let m = first_diffuse(current, current.edges());
@@ -41,6 +45,6 @@ impl MultiChainPerturbation<'_> {
         while m > 0 && current.vertices[m - 1].vertex.delta {
             m = first_diffuse(current, m);
         }
-        perturb_from_eye(&self.view, current, proposal, m, rng)
+        self.from_eye.perturb(current, proposal, m, rng)
     }
 }

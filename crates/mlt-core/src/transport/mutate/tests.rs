@@ -71,7 +71,14 @@ fn pose() -> CameraPose {
     let forward = Vec3A::new(0.05, -0.25, -1.0).normalize();
     let up = forward.cross(Vec3A::Y).cross(forward).normalize();
     let position = DVec3::new(0.1, 1.7, 3.5);
-    CameraPose { name: String::new(), position, forward, up, vertical_fov: 0.9, aspect_ratio: None }
+    CameraPose {
+        name: String::new(),
+        position,
+        forward: forward.into(),
+        up: up.into(),
+        vertical_fov: 0.9,
+        aspect_ratio: None,
+    }
 }
 
 /// π.

@@ -93,7 +93,7 @@ fn parts_have_equal_area() {
         let mut counts = [0f64; 15];
         for _ in 0..n {
             let (primitive, position) = surface_point(scene, id, light.area, &mut rng);
-            let point = scene.lights().point(primitive, position).unwrap();
+            let point = scene.lights().point(primitive, position.into()).unwrap();
             counts[strata.index(&point) as usize - 15 * id] += 1.0;
         }
         let expected = f64::from(n) / 15.0;
@@ -177,6 +177,6 @@ fn a_rectangle_emits_from_the_side_of_its_winding() {
         let world = Builder::default().light(quad(corners), Rgb::ONE, false).seen(DVec3::Z, DVec3::ZERO, 40.0, [8, 8]);
         let (_, vertex) = world.scene.light_point(&Default::default());
         assert_eq!(vertex.geometric_normal.z, if flip { -1.0 } else { 1.0 });
-        assert_eq!(world.scene.emitted(&vertex, glam::Vec3::Z) == Rgb::ZERO, flip);
+        assert_eq!(world.scene.emitted(&vertex, glam::Vec3A::Z) == Rgb::ZERO, flip);
     }
 }
