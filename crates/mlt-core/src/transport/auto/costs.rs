@@ -9,53 +9,135 @@ use crate::engine::Measure;
 use crate::transport::adapt::weights_of_smooth;
 use crate::transport::blur::blurred;
 
+/// Squared relative noise of the smoothed image below which it needs no more smoothing.
+const SMOOTH: f64 = 0.05;
+/// Largest radius of the smoothing, as a share of the image's longer side.
+const WIDEST: f64 = 0.125;
+
 /// Weights of squared errors on the pilot's image. Where a sampler met something bright, the image is taken to be so.
+///
+/// The image is smoothed until little noise is left in it. Weights of a noisy image are small where a rare bright sample
+/// happened to fall, which is where the measured variance is, and large wherever none did: they hide the noise of
+/// samples, and exaggerate that of chains.
 pub(super) fn weights(measured: &[Measured; 2], size: [u32; 2]) -> Vec<f64> {
     let images = measured.each_ref().map(Measured::image);
-    let smooth = images.each_ref().map(|image| blurred(image, size, 1));
-    let smaller = |[a, b]: [&Vec<f64>; 2]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a.min(*b)).collect() };
-    let both = smaller(images.each_ref());
-    let level = |i: usize| both[i].max(0.5 * (smooth[0][i] + smooth[1][i]));
-    weights_of_smooth(&(0..both.len()).map(level).collect::<Vec<_>>())
+    let noise = |weights: &[f64], radius: usize| {
+        let of_images: f64 = measured.iter().map(|m| m.whole_error(weights) / m.samples).sum();
+        0.25 * of_images / (2 * radius + 1).pow(2) as f64
+    };
+    let widest = WIDEST * f64::from(size[0].max(size[1]));
+    let mut radius = 1;
+    loop {
+        let weights = smoothed_weights(&images, size, radius);
+        if noise(&weights, radius) < SMOOTH || 2.0 * radius as f64 > widest {
+            return weights;
+        }
+        radius *= 2;
+    }
 }
 
-/// What one part costs each estimator.
-pub(super) fn costs(
-    part: usize,
-    parts: &Parts,
-    candidates: &[Candidate],
-    measured: &[Measured; 2],
-    chains: &[Measure],
-    weights: &[f64],
-) -> Costs {
-    let (pixels, weight) = (weights.len() as f64, weights.iter().sum::<f64>() / weights.len() as f64);
-    let found = measured.each_ref().map(|m| m.energy(part));
-    let certain = found.iter().map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
-    let error = |method: usize| {
-        let (m, [energy, _]) = (&measured[method], found[method]);
-        // What N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
-        let missed = weight * (0.5 * certain - energy).max(0.0).powi(2) * m.samples * pixels / 3.0;
-        m.error(part, weights).max(missed)
-    };
-    let most = candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
-    let longest = parts.group(part).most_edges(most);
-    let errors = [0, 1].map(error);
-    let of = |c: &Candidate| match c.scale(longest) {
-        scale if scale.is_finite() => scale * errors[usize::from(!c.is_path())],
-        scale => scale,
-    };
-    let independent = candidates.iter().map(of).collect();
-    let chains = &chains[part];
-    // Σ over pixels with a total of n mutations → mean over pixels with n mutations a pixel.
-    let scale = pixels.powi(-2) * TIME_OF_A_CHAINS_RAY;
-    let side = |error: f64, work: f64| (error * work * scale).sqrt();
-    let chains = match chains.chain_error {
-        // A few rounds do not tell which of the lamps in view chains have not found, and a camera ray finds them all.
-        _ if longest == 1 => f64::INFINITY,
-        Some(error) => side(error, chains.mutation_cost) + side(chains.sample_error, chains.sample_cost),
-        // Chains that found no light where samples did are no use.
-        None if found.iter().any(|[energy, _]| *energy > 0.0) => f64::INFINITY,
-        None => 0.0,
-    };
-    Costs { independent, chains: chains * chains }
+fn smoothed_weights(images: &[Vec<f64>; 2], size: [u32; 2], radius: usize) -> Vec<f64> {
+    let smooth = images.each_ref().map(|image| blurred(image, size, radius));
+    let level = |i: usize| images[0][i].min(images[1][i]).max(0.5 * (smooth[0][i] + smooth[1][i]));
+    weights_of_smooth(&(0..images[0].len()).map(level).collect::<Vec<_>>())
+}
+
+/// What chains leave in an image of `to` pixels, as a mean over pixels and for each mutation and sample a pixel, from the
+/// sum over a pilot's image of `from` pixels and for each mutation and sample.
+///
+/// A pixel of the larger image gets fewer visits, but an error of b_j is the same in all of them.
+pub(super) fn per_pixel(measure: Measure, from: u32, to: u32) -> Measure {
+    let [from, to] = [from, to].map(f64::from);
+    Measure {
+        chain_error: measure.chain_error.map(|error| error / (from * from)),
+        sample_error: measure.sample_error / (from * to),
+        ..measure
+    }
+}
+
+/// What was found of the independent methods.
+pub(super) struct Findings<'a> {
+    pub(super) parts: &'a Parts<'a>,
+    pub(super) candidates: &'a [Candidate],
+    /// Path tracing and bidirectional path tracing.
+    pub(super) measured: &'a [Measured; 2],
+    /// Of squared errors, pixel by pixel.
+    pub(super) weights: &'a [f64],
+}
+
+impl Findings<'_> {
+    /// What each part costs each estimator; `chains`: see [`per_pixel`].
+    pub(super) fn costs(&self, chains: &[Measure]) -> Vec<Costs> {
+        chains.iter().enumerate().map(|(part, chains)| self.of_part(part, chains)).collect()
+    }
+
+    fn of_part(&self, part: usize, chains: &Measure) -> Costs {
+        let Self { parts, candidates, measured, weights } = self;
+        let (pixels, weight) = (weights.len() as f64, weights.iter().sum::<f64>() / weights.len() as f64);
+        let found = measured.each_ref().map(|m| m.energy(part));
+        let certain = found.iter().map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
+        let error = |method: usize| {
+            let (m, [energy, _]) = (&measured[method], found[method]);
+            // What N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
+            let missed = weight * (0.5 * certain - energy).max(0.0).powi(2) * m.samples * pixels / 3.0;
+            m.error(part, weights).max(missed)
+        };
+        let most = candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
+        let longest = parts.group(part).most_edges(most);
+        let errors = [0, 1].map(error);
+        let of = |c: &Candidate| match c.scale(longest) {
+            scale if scale.is_finite() => scale * errors[usize::from(!c.is_path())],
+            scale => scale,
+        };
+        let independent = candidates.iter().map(of).collect();
+        let side = |error: f64, work: f64| (error * work * TIME_OF_A_CHAINS_RAY).sqrt();
+        let chains = match chains.chain_error {
+            // A few rounds do not tell which of the lamps in view chains have not found, and a camera ray finds them all.
+            _ if longest == 1 => f64::INFINITY,
+            Some(error) => side(error, chains.mutation_cost) + side(chains.sample_error, chains.sample_cost),
+            // Chains that found no light where samples did are no use.
+            None if found.iter().any(|[energy, _]| *energy > 0.0) => f64::INFINITY,
+            None => 0.0,
+        };
+        Costs { independent, chains: chains * chains }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Purpose, generator, uniform};
+
+    const SIZE: [u32; 2] = [64, 64];
+
+    /// Two sequences of 16 samples a pixel of a flat image of level 1, whose light comes as events of probability `p`.
+    fn measured(p: f64, seed: u64) -> Measured {
+        let mut rng = generator(seed, Purpose::Image, 0, 0, 0);
+        let mut sequence = || (0..16).filter(|_| uniform(&mut rng) < p).count() as f64 / (16.0 * p);
+        let pixels = (0..SIZE[0] * SIZE[1]).map(|_| [sequence(), sequence()]);
+        let (mean, variance) = pixels.map(|[a, b]| (0.5 * (a + b), 8.0 * (a - b).powi(2))).unzip();
+        Measured::of_image(mean, variance, 32.0)
+    }
+
+    #[test]
+    fn rare_events_do_not_hide_their_noise() {
+        for p in [0.5, 0.05, 0.0005] {
+            let both = [1, 2].map(|seed| measured(p, seed));
+            let exact = (1.0 / p - 1.0) / 1.01;
+            let found = both[0].whole_error(&weights(&both, SIZE)) / exact;
+            assert!((0.6..1.4).contains(&found), "{p}: {found}");
+        }
+        // The negative control: an image that is still noisy.
+        let both = [1, 2].map(|seed| measured(0.0005, seed));
+        let noisy = smoothed_weights(&both.each_ref().map(Measured::image), SIZE, 1);
+        assert!(both[0].whole_error(&noisy) < 0.3 * 2000.0);
+    }
+
+    #[test]
+    fn errors_of_b_do_not_grow_with_the_image() {
+        let pilot = Measure { chain_error: Some(100.0), sample_error: 100.0, ..Measure::default() };
+        let [small, large] = [100, 1600].map(|to| per_pixel(pilot, 10, to));
+        assert_eq!((small.chain_error, small.sample_error), (Some(1.0), 0.1));
+        assert_eq!((large.chain_error, large.sample_error), (Some(1.0), 0.1 / 16.0));
+    }
 }

@@ -42,6 +42,7 @@ pub(super) fn decide(work: &[f64], parts: &[Costs]) -> Decision {
     let all: f64 = (0..parts.len()).map(chains).sum();
     let alone =
         Decision { independent: None, in_chains: vec![true; parts.len()], chain_share: 1.0, product: all * all };
+    let nothing = Decision { product: f64::INFINITY, ..alone.clone() };
     let mut best_single = alone;
     let mut best_mixture: Option<Decision> = None;
     for (m, &work) in work.iter().enumerate() {
@@ -55,8 +56,9 @@ pub(super) fn decide(work: &[f64], parts: &[Costs]) -> Decision {
             order[..easy].iter().for_each(|&i| in_chains[i] = false);
             let chain_share = if chained > 0.0 { chained / (sampled + chained) } else { 0.0 };
             let product = (sampled + chained).powi(2);
-            let best =
-                if easy == parts.len() { &mut best_single } else { best_mixture.get_or_insert(best_single.clone()) };
+            // Chains with help for nothing but what they do not sample at all are a single method.
+            let single = easy == parts.len() || order[..easy].iter().all(|&i| parts[i].chains.is_infinite());
+            let best = if single { &mut best_single } else { best_mixture.get_or_insert(nothing.clone()) };
             if product < best.product {
                 *best = Decision { independent: Some(m), in_chains, chain_share, product };
             }
@@ -98,6 +100,17 @@ mod tests {
     fn a_method_that_does_not_sample_a_part_is_taken_for_others() {
         let short = decide(&[1.0, 4.0], &[part(1.0, 1.0, 400.0), part(f64::INFINITY, 9.0, 9.0)]);
         assert_eq!((short.independent, short.in_chains, short.product), (Some(0), vec![false, true], 16.0));
+    }
+
+    /// A mixture is not taken for a few per cent, also where chains need help with what they do not sample.
+    #[test]
+    fn chains_with_help_are_a_single_method() {
+        let lamp = part(0.01, 0.01, f64::INFINITY);
+        let close = decide(&[1.0, 4.0], &[lamp.clone(), part(15.0, 99.0, 16.0), part(1e5, 1e4, 36.0)]);
+        assert_eq!((close.independent, close.in_chains), (Some(0), vec![false, true, true]));
+        assert!((close.product / 10.1f64.powi(2) - 1.0).abs() < 1e-12);
+        let far = decide(&[1.0, 4.0], &[lamp, part(1.0, 99.0, 16.0), part(1e5, 1e4, 9.0)]);
+        assert_eq!((far.independent, far.in_chains), (Some(0), vec![false, false, true]));
     }
 
     #[test]

@@ -64,6 +64,12 @@ impl Measured {
         Self { parts: parts.len(), mean, variance, samples: taken, work }
     }
 
+    /// Moments of an image with one part.
+    #[cfg(test)]
+    pub(super) fn of_image(mean: Vec<f64>, variance: Vec<f64>, samples: f64) -> Self {
+        Self { parts: 1, mean, variance, samples, work: 1.0 }
+    }
+
     /// The image, sums over channels.
     pub(super) fn image(&self) -> Vec<f64> {
         self.mean.chunks(self.parts).map(|parts| parts.iter().sum()).collect()
@@ -80,6 +86,11 @@ impl Measured {
     pub(super) fn error(&self, part: usize, weights: &[f64]) -> f64 {
         let of_part = self.variance.iter().skip(part).step_by(self.parts);
         of_part.zip(weights).map(|(v, w)| v * w).sum::<f64>() / weights.len() as f64
+    }
+
+    /// The same of the whole image, if the parts' errors are independent.
+    pub(super) fn whole_error(&self, weights: &[f64]) -> f64 {
+        (0..self.parts).map(|part| self.error(part, weights)).sum()
     }
 }
 

@@ -26,8 +26,8 @@ use super::strata::{LightStrata, Stratification};
 use super::stratum::LightStratum;
 use crate::engine::{Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Share, Tally};
 use candidates::Candidate;
-use costs::{costs, weights};
-use decide::decide;
+use costs::{Findings, per_pixel, weights};
+use decide::{Costs, decide};
 use measure::Measured;
 use parts::Parts;
 use plan::summary;
@@ -58,6 +58,12 @@ const MUTATIONS: f64 = 8.0;
 const MUTATIONS_A_SAMPLE: u64 = 8;
 /// Rounds of the pilot's chains.
 const ROUNDS: u64 = 4;
+/// Most of them, where chains have a chance.
+const MOST_ROUNDS: u64 = 16;
+/// Time of these over that of a round, at most.
+const CHAIN_ROUNDS_OF_TIME: f64 = 0.75;
+/// Factor by which the measured noise of few rounds of chains may be too large.
+const UNCERTAIN: f64 = 3.0;
 /// Most parts of the lights, unless they are asked for.
 const LIGHT_PARTS: usize = 8;
 /// Least share of the power of a part that is asked for: the pilot measures each of them in every pixel.
@@ -90,10 +96,19 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let measured = self.independent(view, &parts);
         let candidates = Candidate::all(view, self.next_event, self.max_edges, self.seed);
         let weights = weights(&measured, camera.size());
-        let (chains, tally) = self.chains(view, &parts, &weights);
-        let costs: Vec<_> =
-            (0..parts.len()).map(|i| costs(i, &parts, &candidates, &measured, &chains, &weights)).collect();
+        let findings = Findings { parts: &parts, candidates: &candidates, measured: &measured, weights: &weights };
         let work: Vec<_> = candidates.iter().map(|candidate| candidate.work).collect();
+        let mut spent = PilotCounts::default();
+        let mut measure = |rounds| {
+            let (chains, tally) = self.chains(view, &findings, rounds);
+            spent = PilotCounts { mutations: spent.mutations + tally.total().steps(), rays: spent.rays + tally.work() };
+            (findings.costs(&chains), chains)
+        };
+        let (mut costs, mut chains) = measure(ROUNDS);
+        let more = self.more_rounds(camera.pixels());
+        if more > ROUNDS && hopeful(&work, &costs) {
+            (costs, chains) = measure(more);
+        }
         let decision = decide(&work, &costs);
         let budget = self.per_pixel * measured[0].work;
         let samples = decision.independent.map_or(0.0, |m| match candidates[m].sampler {
@@ -104,7 +119,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let (chained, shares) = share_out(&parts, &decision, &chains, rest * f64::from(self.view.camera.pixels()));
         let independent = decision.independent.map(|m| (candidates[m].sampler, samples));
         let sampled = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
-        let spent = PilotCounts { mutations: tally.total().steps(), rays: tally.work() + sampled as u64 };
+        spent.rays += sampled as u64;
         let summary = summary(&parts, &decision, &costs, &candidates);
         (Plan { independent, chained, shares, summary, strata }, spent)
     }
@@ -145,8 +160,16 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         ]
     }
 
+    /// Rounds of chains, where it depends on them what is decided.
+    fn more_rounds(&self, pixels: u32) -> u64 {
+        let time_of_a_round = TIME_OF_CHAINS / ROUNDS as f64 * f64::from(pixels);
+        let affordable = CHAIN_ROUNDS_OF_TIME * self.per_pixel * f64::from(self.view.camera.pixels()) / time_of_a_round;
+        (affordable as u64).min(MOST_ROUNDS)
+    }
+
     /// What chains find in each part.
-    fn chains(&self, view: View, parts: &Parts, weights: &[f64]) -> (Vec<Measure>, Tally) {
+    fn chains(&self, view: View, findings: &Findings, rounds: u64) -> (Vec<Measure>, Tally) {
+        let Findings { parts, weights, .. } = findings;
         let strata: Vec<_> = (0..parts.strata.regions().len())
             .flat_map(|j| parts.groups.iter().map(move |&kinds| (j, kinds)))
             .map(|(j, kinds)| LightStratum::of_part(parts.strata, j, kinds, view, self.max_edges))
@@ -158,6 +181,16 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let (importance, seed) = (self.importance, self.seed);
         let chains =
             Metropolis { strata: &strata, shares: &shares, mixture: &mixture, importance, seed, work: rays_traced };
-        chains.pilot(view.camera.pixels(), CHAIN_PILOT..CHAIN_PILOT + ROUNDS, &|_| weights.to_vec())
+        let pixels = view.camera.pixels();
+        let (measures, tally) = chains.pilot(pixels, CHAIN_PILOT..CHAIN_PILOT + rounds, &|_| weights.to_vec());
+        let of_image = |measure| per_pixel(measure, pixels, self.view.camera.pixels());
+        (measures.into_iter().map(of_image).collect(), tally)
     }
+}
+
+/// Whether chains would have a part if they left much less noise than a few rounds seem to tell: the noise of so few of them
+/// is known to a factor of that order.
+fn hopeful(work: &[f64], costs: &[Costs]) -> bool {
+    let quieter = |c: &Costs| Costs { chains: c.chains / UNCERTAIN, ..c.clone() };
+    decide(work, &costs.iter().map(quieter).collect::<Vec<_>>()).chain_share > 0.0
 }
