@@ -63,6 +63,8 @@ pub(super) struct Findings<'a> {
     pub(super) measured: &'a [Measured; 2],
     /// Of squared errors, pixel by pixel.
     pub(super) weights: &'a [f64],
+    /// Second moments that both have not met, part by part: see [`Tails`](super::tails::Tails).
+    pub(super) tails: Vec<[f64; 2]>,
 }
 
 impl Findings<'_> {
@@ -72,18 +74,25 @@ impl Findings<'_> {
     }
 
     fn of_part(&self, part: usize, chains: &Measure) -> Costs {
-        let Self { parts, candidates, measured, weights } = self;
+        let Self { parts, candidates, measured, weights, tails } = self;
         let (pixels, weight) = (weights.len() as f64, weights.iter().sum::<f64>() / weights.len() as f64);
         let found = measured.each_ref().map(|m| m.energy(part));
         let certain = found.iter().map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
+        let most = candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
+        let longest = parts.group(part).most_edges(most);
+        let met = |method: usize| {
+            // No lamp in view is rarer than it is small, and the rays that meet it are well spread.
+            let tail = if longest > 1 { tails[part][method] } else { 0.0 };
+            measured[method].error(part, weights) + tail
+        };
         let error = |method: usize| {
             let (m, [energy, _]) = (&measured[method], found[method]);
             // What N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
             let missed = weight * (0.5 * certain - energy).max(0.0).powi(2) * m.samples * pixels / 3.0;
-            m.error(part, weights).max(missed)
+            // Of light that it never met nothing better is known than how noisy the other one is.
+            let unknown = if energy > 0.0 { 0.0 } else { met(1 - method) };
+            met(method).max(missed).max(unknown)
         };
-        let most = candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
-        let longest = parts.group(part).most_edges(most);
         let errors = [0, 1].map(error);
         let of = |c: &Candidate| match c.scale(longest) {
             scale if scale.is_finite() => scale * errors[usize::from(!c.is_path())],

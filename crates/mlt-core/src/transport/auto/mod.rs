@@ -12,6 +12,7 @@ mod measure;
 mod parts;
 mod plan;
 mod share;
+mod tails;
 
 use super::bdpt::Bidirectional;
 use super::light_tree::LightTree;
@@ -32,6 +33,7 @@ use measure::Measured;
 use parts::Parts;
 use plan::summary;
 use share::{good_number, share_out};
+use tails::Tails;
 
 pub use candidates::Sampler;
 pub use parts::SomePaths;
@@ -96,19 +98,14 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let measured = self.independent(view, &parts);
         let candidates = Candidate::all(view, self.next_event, self.max_edges, self.seed);
         let weights = weights(&measured, camera.size());
-        let findings = Findings { parts: &parts, candidates: &candidates, measured: &measured, weights: &weights };
+        let part =
+            |i: usize| LightStratum::of_part(&strata, i / parts.groups.len(), parts.group(i), view, self.max_edges);
+        let path_space: Vec<_> = (0..parts.len()).map(part).collect();
+        let (tails, sought) = self.tails(view, &path_space, &measured, &weights);
+        let findings =
+            Findings { parts: &parts, candidates: &candidates, measured: &measured, weights: &weights, tails };
         let work: Vec<_> = candidates.iter().map(|candidate| candidate.work).collect();
-        let mut spent = PilotCounts::default();
-        let mut measure = |rounds| {
-            let (chains, tally) = self.chains(view, &findings, rounds);
-            spent = PilotCounts { mutations: spent.mutations + tally.total().steps(), rays: spent.rays + tally.work() };
-            (findings.costs(&chains), chains)
-        };
-        let (mut costs, mut chains) = measure(ROUNDS);
-        let more = self.more_rounds(camera.pixels());
-        if more > ROUNDS && hopeful(&work, &costs) {
-            (costs, chains) = measure(more);
-        }
+        let (costs, chains, chained) = self.costs(view, &path_space, &findings, &work);
         let decision = decide(&work, &costs);
         let budget = self.per_pixel * measured[0].work;
         let samples = decision.independent.map_or(0.0, |m| match candidates[m].sampler {
@@ -116,12 +113,34 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
             _ => good_number(budget, &decision, work[m]),
         });
         let rest = budget - decision.independent.map_or(0.0, |m| samples * work[m]);
-        let (chained, shares) = share_out(&parts, &decision, &chains, rest * f64::from(self.view.camera.pixels()));
+        let (kinds, shares) = share_out(&parts, &decision, &chains, rest * f64::from(self.view.camera.pixels()));
         let independent = decision.independent.map(|m| (candidates[m].sampler, samples));
         let sampled = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
-        spent.rays += sampled as u64;
+        let sampled = PilotCounts { mutations: 0, rays: sampled as u64 };
         let summary = summary(&parts, &decision, &costs, &candidates);
-        (Plan { independent, chained, shares, summary, strata }, spent)
+        (Plan { independent, chained: kinds, shares, summary, strata }, sampled + sought + chained)
+    }
+
+    /// What each part costs each estimator, and what chains find there, from more rounds if it depends on them what is
+    /// decided; and what the rounds took.
+    fn costs(
+        &self,
+        view: View,
+        path_space: &[LightStratum],
+        findings: &Findings,
+        work: &[f64],
+    ) -> (Vec<Costs>, Vec<Measure>, PilotCounts) {
+        let measure = |rounds| {
+            let (chains, tally) = self.chains(view, path_space, findings.weights, rounds);
+            (findings.costs(&chains), chains, PilotCounts::of(&tally))
+        };
+        let (costs, chains, first) = measure(ROUNDS);
+        let more = self.more_rounds(view.camera.pixels());
+        if more <= ROUNDS || !hopeful(work, &costs) {
+            return (costs, chains, first);
+        }
+        let (costs, chains, second) = measure(more);
+        (costs, chains, first + second)
     }
 
     fn cut(&self) -> LightStrata {
@@ -167,20 +186,34 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         (affordable as u64).min(MOST_ROUNDS)
     }
 
+    /// Mutations of each part's chains in a round of the pilot.
+    fn mutations(&self, pixels: u32, parts: usize) -> u64 {
+        ((MUTATIONS * f64::from(pixels) / parts as f64) as u64).max(LEAST_CHAIN)
+    }
+
+    /// What independent samples have missed, in each part.
+    fn tails(
+        &self,
+        view: View,
+        strata: &[LightStratum],
+        measured: &[Measured; 2],
+        weights: &[f64],
+    ) -> (Vec<[f64; 2]>, PilotCounts) {
+        let largest = |part: usize| measured.each_ref().map(|m| m.largest[part]);
+        let largest: Vec<_> = (0..strata.len()).map(largest).collect();
+        let (importance, next_event, seed) = (self.importance, self.next_event, self.seed);
+        let power = LightRegion::whole(view.scene.lights()).power();
+        let mutations = ROUNDS * self.mutations(view.camera.pixels(), strata.len());
+        Tails { view, importance, next_event, seed, weights, power }.measure(strata, &largest, mutations)
+    }
+
     /// What chains find in each part.
-    fn chains(&self, view: View, findings: &Findings, rounds: u64) -> (Vec<Measure>, Tally) {
-        let Findings { parts, weights, .. } = findings;
-        let strata: Vec<_> = (0..parts.strata.regions().len())
-            .flat_map(|j| parts.groups.iter().map(move |&kinds| (j, kinds)))
-            .map(|(j, kinds)| LightStratum::of_part(parts.strata, j, kinds, view, self.max_edges))
-            .collect();
-        let mutations = (MUTATIONS * f64::from(view.camera.pixels()) / strata.len() as f64) as u64;
-        let mutations = mutations.max(LEAST_CHAIN);
+    fn chains(&self, view: View, strata: &[LightStratum], weights: &[f64], rounds: u64) -> (Vec<Measure>, Tally) {
+        let mutations = self.mutations(view.camera.pixels(), strata.len());
         let shares = vec![Share { mutations, samples: mutations.div_ceil(MUTATIONS_A_SAMPLE) }; strata.len()];
         let mixture = Mixture::new(PathMutation::all(view));
         let (importance, seed) = (self.importance, self.seed);
-        let chains =
-            Metropolis { strata: &strata, shares: &shares, mixture: &mixture, importance, seed, work: rays_traced };
+        let chains = Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work: rays_traced };
         let pixels = view.camera.pixels();
         let (measures, tally) = chains.pilot(pixels, CHAIN_PILOT..CHAIN_PILOT + rounds, &|_| weights.to_vec());
         let of_image = |measure| per_pixel(measure, pixels, self.view.camera.pixels());

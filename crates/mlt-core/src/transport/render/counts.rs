@@ -1,6 +1,7 @@
 //! What a render counted.
 
 use crate::engine::{StratumStats, Tally};
+use std::ops::Add;
 
 /// What a render counted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,7 +35,15 @@ pub(in crate::transport) struct PilotCounts {
 }
 
 impl PilotCounts {
-    pub(super) fn of(tally: &Tally) -> Self {
+    pub(in crate::transport) fn of(tally: &Tally) -> Self {
         Self { mutations: tally.total().steps(), rays: tally.work() }
+    }
+}
+
+impl Add for PilotCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { mutations: self.mutations + other.mutations, rays: self.rays + other.rays }
     }
 }

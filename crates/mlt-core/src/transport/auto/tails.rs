@@ -1,0 +1,198 @@
+//! What independent samples have not met yet, told by chains.
+
+use super::measure::ABOUT;
+use super::{CHAIN_PILOT, MUTATIONS_A_SAMPLE};
+use crate::engine::{Chain, Importance, Mixture, Purpose, Sink, Stratum, generator, uniform};
+use crate::transport::mis;
+use crate::transport::mutate::PathMutation;
+use crate::transport::next_event::NextEvent;
+use crate::transport::path::{LightPath, View};
+use crate::transport::render::PilotCounts;
+use crate::transport::scene::rays_traced;
+use crate::transport::stratum::LightStratum;
+use rayon::prelude::*;
+
+/// Chains in each part.
+const CHAINS: u64 = 16;
+
+/// Second moments of the events that an independent method has not met.
+///
+/// A sample that makes path x by technique s, with density p_s and weight w_s, has the value v_s = w_s f/p_s there. With
+/// u_p, the weight of pixel p's squared error, and V, the largest value that was met, what is missing of the error is
+///
+/// Σ_s ∫_{v_s > V} u v_s² p_s dμ = b E_{x ~ I/b}[ u Σ_{s: v_s > V} v_s² p_s / I ].
+///
+/// Roulette, which makes values larger and rarer, is left out, so the truth may be larger still.
+pub(super) struct Tails<'a, I> {
+    pub(super) view: View<'a>,
+    pub(super) importance: &'a I,
+    pub(super) next_event: &'a NextEvent,
+    pub(super) seed: u64,
+    /// u, pixel by pixel.
+    pub(super) weights: &'a [f64],
+    /// Power of all lights.
+    pub(super) power: f64,
+}
+
+/// A sink that forgets.
+struct Nothing;
+
+impl<S> Sink<S> for Nothing {
+    fn deposit(&mut self, _: S, _: f64) {}
+}
+
+impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
+    /// Those of path tracing and of bidirectional path tracing in each part, `largest` being V of both, from `mutations`
+    /// of each part's chains; and what that took.
+    pub(super) fn measure(
+        &self,
+        parts: &[LightStratum],
+        largest: &[[f64; 2]],
+        mutations: u64,
+    ) -> (Vec<[f64; 2]>, PilotCounts) {
+        let chains: Vec<_> = (0..parts.len() as u64 * CHAINS).collect();
+        let of_chain = |&i: &u64| {
+            let part = (i / CHAINS) as usize;
+            let before = rays_traced();
+            (self.of_chain(&parts[part], largest[part], i, mutations / CHAINS), rays_traced() - before)
+        };
+        let (found, rays): (Vec<[f64; 2]>, Vec<u64>) =
+            chains.par_iter().map(of_chain).collect::<Vec<_>>().into_iter().unzip();
+        let spent = PilotCounts { mutations: chains.len() as u64 * (mutations / CHAINS), rays: rays.iter().sum() };
+        let mean = |of: &[[f64; 2]]| [0, 1].map(|m| of.iter().map(|x| x[m]).sum::<f64>() / CHAINS as f64);
+        (found.chunks(CHAINS as usize).map(mean).collect(), spent)
+    }
+
+    /// From one chain, which starts at one of some independent samples, drawn in proportion to its importance weight.
+    fn of_chain(&self, part: &LightStratum, largest: [f64; 2], index: u64, mutations: u64) -> [f64; 2] {
+        let stream = |purpose| generator(self.seed, purpose, CHAIN_PILOT - 1, index, 0);
+        let [mut rng, mut pick, mut steps] = [Purpose::Sample, Purpose::Start, Purpose::Chain].map(stream);
+        let (samples, mut total, mut start) = (mutations.div_ceil(MUTATIONS_A_SAMPLE), 0.0, LightPath::default());
+        for _ in 0..samples {
+            part.sample(&mut rng, &mut |path, weight| {
+                let weight = weight * self.importance.eval(path);
+                if weight > 0.0 && weight.is_finite() {
+                    total += weight;
+                    if uniform(&mut pick) * total < weight {
+                        start.clone_from(path);
+                    }
+                }
+            });
+        }
+        if total <= 0.0 {
+            return [0.0; 2];
+        }
+        let mixture = Mixture::new(PathMutation::all(self.view));
+        let Some(mut chain) = Chain::new(&mixture, self.importance, part, start) else { return [0.0; 2] };
+        let mut sums = [0.0; 2];
+        for _ in 0..mutations {
+            chain.step(&mut Nothing, 0.0, &mut steps);
+            let moments = self.moments(chain.current(), largest);
+            sums = [sums[0] + moments[0], sums[1] + moments[1]];
+        }
+        sums.map(|sum| sum * total / (samples * mutations) as f64)
+    }
+
+    /// u Σ_{s: v_s > V} v_s² p_s / I of both methods.
+    fn moments(&self, path: &LightPath, largest: [f64; 2]) -> [f64; 2] {
+        let vertices = path.vertices();
+        let density = |s: usize| match mis::connectible(vertices, s) {
+            true => mis::density(vertices, s, self.power),
+            false => 0.0,
+        };
+        let contribution = path.contribution().element_sum();
+        let of_path = [density(0), density(1) * self.next_event_ratio(path)];
+        let moments = [
+            beyond(of_path.into_iter(), contribution, largest[0]),
+            beyond((0..vertices.len()).map(density), contribution, largest[1]),
+        ];
+        moments.map(|moment| moment * self.weights[path.pixel as usize] / self.importance.eval(path))
+    }
+
+    /// Density of x_0 in next-event estimation over that of a light subpath's first vertex; 0 for what it does not sample.
+    fn next_event_ratio(&self, path: &LightPath) -> f64 {
+        let [x_0, x_1] = [&path.vertices()[0], &path.vertices()[1]];
+        match self.view.scene.lights().number(x_0.vertex.primitive) {
+            Some(number) if path.edges() > 1 => self.next_event.density(&x_1.vertex, number) * self.power / x_0.forward,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Σ_{s: v_s > V} v_s² p_s, with w_s = p_s²/Σ_i p_i².
+fn beyond(densities: impl Iterator<Item = f64> + Clone, contribution: f64, largest: f64) -> f64 {
+    let squares: f64 = densities.clone().map(|p| p * p).sum();
+    let moment = |p: f64| (p, p * contribution / squares);
+    densities.filter(|&p| p > 0.0).map(moment).filter(|&(_, v)| v > ABOUT * largest).map(|(p, v)| p * v * v).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::uniform_f32;
+    use crate::transport::bdpt::Bidirectional;
+    use crate::transport::independent::ImageSampler;
+    use crate::transport::low_discrepancy::OwenSobol;
+    use crate::transport::path::Luminance;
+    use crate::transport::pt::PathTracer;
+    use crate::transport::region::LightRegion;
+    use crate::transport::strata::{LightStrata, Stratification};
+    use crate::transport::testing::{World, pond, room, rough_metal};
+    use glam::{DVec3, Vec2};
+
+    /// Longest path: short enough for no roulette.
+    const MAX_EDGES: usize = 3;
+    const LARGEST: f64 = 0.5;
+
+    /// E[Σ v²] over values above `LARGEST`, and its standard error.
+    fn sampled(sampler: &impl ImageSampler) -> [f64; 2] {
+        let n = 400_000;
+        let moment = |i: u64| {
+            let rng = &mut OwenSobol::new(i, 0);
+            let (image, mut sum) = (Vec2::new(uniform_f32(rng), uniform_f32(rng)), 0.0);
+            sampler.sample(image, rng, &mut |_, value: DVec3, _| {
+                let value = value.element_sum();
+                sum += if value > ABOUT * LARGEST { value * value } else { 0.0 };
+            });
+            sum
+        };
+        let (sum, squares) = (0..n).map(moment).fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
+        let mean = sum / n as f64;
+        [mean, ((squares / n as f64 - mean * mean) / n as f64).sqrt()]
+    }
+
+    /// By chains, and the standard error.
+    fn by_chains(world: &World, next_event: &NextEvent, power: f64) -> [[f64; 2]; 2] {
+        let view = world.view();
+        let weights = &vec![1.0; view.camera.pixels() as usize];
+        let lights = LightStrata::new(view.scene.lights(), Stratification::None);
+        let strata = LightStratum::all(&lights, view, MAX_EDGES);
+        let of = |seed| {
+            let tails = Tails { view, importance: &Luminance, next_event, seed, weights, power };
+            tails.measure(&strata, &[[LARGEST; 2]], 50_000).0[0]
+        };
+        let found: Vec<_> = (0..12).map(of).collect();
+        [0, 1].map(|m| {
+            let mean = found.iter().map(|x| x[m]).sum::<f64>() / 12.0;
+            let variance = found.iter().map(|x| (x[m] - mean).powi(2)).sum::<f64>() / 11.0;
+            [mean, (variance / 12.0).sqrt()]
+        })
+    }
+
+    #[test]
+    fn chains_tell_the_second_moments_of_independent_samples() {
+        // In the second one, most paths can be made by one technique alone.
+        for (world, several) in [(room(rough_metal(), false), true), (pond(), false)] {
+            let view = world.view();
+            let (next_event, region) = (NextEvent::new(view.scene.lights()), LightRegion::whole(view.scene.lights()));
+            let path = PathTracer { view, next_event: &next_event, max_edges: MAX_EDGES, branches: 1 };
+            let exact = [sampled(&path), sampled(&Bidirectional { view, region: &region, max_edges: MAX_EDGES })];
+            let z = |found: [[f64; 2]; 2]| [0, 1].map(|m| (found[m][0] - exact[m][0]) / found[m][1].hypot(exact[m][1]));
+            let found = by_chains(&world, &next_event, region.power());
+            assert!(z(found).iter().all(|z| z.abs() < 4.0), "{found:?} {exact:?}");
+            // The negative control: densities of a wrong power.
+            let wrong = by_chains(&world, &next_event, 1.3 * region.power());
+            assert!(!several || z(wrong)[1].abs() > 4.0, "{wrong:?} {exact:?}");
+        }
+    }
+}
