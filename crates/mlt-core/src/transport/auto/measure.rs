@@ -12,11 +12,8 @@ use rayon::prelude::*;
 /// Points of one sequence for which two sequences a pixel, whose spread is the noise, are enough; shorter ones are four.
 const LONG: u64 = 4;
 
-/// Number of samples with a value or a larger one that are enough to know how often these come.
-const MET: u32 = 8;
-
-/// Ratio of values that are about the same.
-pub(super) const ABOUT: f64 = 1.01;
+/// Number of pixels with a value or a larger one that are enough to know how often these come.
+const MET: usize = 8;
 
 /// Moments of an independent method in every pixel and part.
 pub(super) struct Measured {
@@ -26,7 +23,7 @@ pub(super) struct Measured {
     mean: Vec<f64>,
     /// Variance of that, times the samples of a pixel.
     variance: Vec<f64>,
-    /// The value that some samples have reached in each part.
+    /// The value that samples have reached in [`MET`] pixels, part by part.
     pub(super) largest: Vec<f64>,
     /// Samples taken of each pixel.
     pub(super) samples: f64,
@@ -41,25 +38,8 @@ struct Pixel {
     /// What crossed the image at other pixels.
     splats: Vec<Splat>,
     /// Largest value, part after part.
-    largest: Vec<Largest>,
+    largest: Vec<f64>,
     rays: u64,
-}
-
-/// The largest value in a pixel, and the number of samples with a value that is hardly smaller.
-#[derive(Clone, Copy, Default)]
-struct Largest {
-    value: f64,
-    count: u32,
-}
-
-impl Largest {
-    fn take(&mut self, value: f64) {
-        if value > ABOUT * self.value {
-            *self = Self { value, count: 1 };
-        } else if value > 0.0 && ABOUT * value >= self.value {
-            *self = Self { value: self.value.max(value), count: self.count + 1 };
-        }
-    }
 }
 
 /// What crosses the image at another pixel than the one sampled.
@@ -90,12 +70,8 @@ impl Measured {
         let work = pixels.iter().map(|pixel| pixel.rays).sum::<u64>() as f64 / (taken * pixels.len() as f64);
         let largest = |part: usize| {
             let mut values: Vec<_> = pixels.iter().map(|pixel| pixel.largest[part]).collect();
-            values.sort_by(|a, b| b.value.total_cmp(&a.value));
-            let met = values.iter().scan(0, |sum, largest| {
-                *sum += largest.count;
-                Some(*sum)
-            });
-            met.zip(&values).find(|(met, _)| *met >= MET).map_or(0.0, |(_, largest)| largest.value)
+            values.sort_by(|a, b| b.total_cmp(a));
+            values[(MET - 1).min(values.len() - 1)]
         };
         let largest = (0..parts.len()).map(largest).collect();
         Self { parts: parts.len(), mean, variance, largest, samples: taken, work }
@@ -135,7 +111,7 @@ impl Pixel {
     fn new<T: ImageSampler>(sampler: &T, parts: &Parts, pixel: u64, [sequences, samples]: [u64; 2], seed: u64) -> Self {
         let before = rays_traced();
         let (mut sums, mut splats) = (vec![[0.0; 2]; parts.len()], Vec::new());
-        let mut largest = vec![Largest::default(); parts.len()];
+        let mut largest = vec![0.0; parts.len()];
         for sequence in 0..sequences {
             let key = generator(seed, Purpose::Image, PILOT + sequence, 0, pixel).next_u64();
             let mut here = vec![0.0; parts.len()];
@@ -144,7 +120,7 @@ impl Pixel {
                 let image = point_in_pixel(pixel, sampler.size(), rng);
                 sampler.sample(image, rng, &mut |elsewhere, value: DVec3, end| {
                     let (part, value) = (parts.index(&end), value.element_sum());
-                    largest[part].take(value);
+                    largest[part] = f64::max(largest[part], value);
                     match elsewhere {
                         None => here[part] += value / samples as f64,
                         Some(pixel) => splats.push(Splat { at: (pixel, part), value }),

@@ -1,6 +1,5 @@
 //! What independent samples have not met yet, told by chains.
 
-use super::measure::ABOUT;
 use super::{CHAIN_PILOT, MUTATIONS_A_SAMPLE};
 use crate::engine::{Chain, Importance, Mixture, Purpose, Sink, Stratum, generator, uniform};
 use crate::transport::mis;
@@ -14,11 +13,13 @@ use rayon::prelude::*;
 
 /// Chains in each part.
 const CHAINS: u64 = 16;
+/// What a value has to be over those that were met, so that rounding does not make it larger.
+const NEW: f64 = 1.01;
 
 /// Second moments of the events that an independent method has not met.
 ///
 /// A sample that makes path x by technique s, with density p_s and weight w_s, has the value v_s = w_s f/p_s there. With
-/// u_p, the weight of pixel p's squared error, and V, the largest value that was met, what is missing of the error is
+/// u_p, the weight of pixel p's squared error, and V, a value that samples reached in several pixels, what is missing of the error is
 ///
 /// Σ_s ∫_{v_s > V} u v_s² p_s dμ = b E_{x ~ I/b}[ u Σ_{s: v_s > V} v_s² p_s / I ].
 ///
@@ -123,7 +124,7 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
 fn beyond(densities: impl Iterator<Item = f64> + Clone, contribution: f64, largest: f64) -> f64 {
     let squares: f64 = densities.clone().map(|p| p * p).sum();
     let moment = |p: f64| (p, p * contribution / squares);
-    densities.filter(|&p| p > 0.0).map(moment).filter(|&(_, v)| v > ABOUT * largest).map(|(p, v)| p * v * v).sum()
+    densities.filter(|&p| p > 0.0).map(moment).filter(|&(_, v)| v > NEW * largest).map(|(p, v)| p * v * v).sum()
 }
 
 #[cfg(test)]
@@ -152,7 +153,7 @@ mod tests {
             let (image, mut sum) = (Vec2::new(uniform_f32(rng), uniform_f32(rng)), 0.0);
             sampler.sample(image, rng, &mut |_, value: DVec3, _| {
                 let value = value.element_sum();
-                sum += if value > ABOUT * LARGEST { value * value } else { 0.0 };
+                sum += if value > NEW * LARGEST { value * value } else { 0.0 };
             });
             sum
         };
