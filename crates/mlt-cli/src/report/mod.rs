@@ -4,6 +4,7 @@ mod decision;
 
 use std::{collections::BTreeMap, fmt};
 
+use mlt_core::engine::HalfChains;
 use serde::Serialize;
 
 use crate::progress::short;
@@ -133,6 +134,13 @@ pub struct StratumReport {
     pub mutations: u64,
     /// Longest run of them, in one chain, without an acceptance.
     pub longest_rejection: u64,
+    /// Split-R̂ of the stratum's chains; `None` without two of them, or where all states have the same importance.
+    pub r_hat: Option<f64>,
+    /// Independent states that the chains are worth; `None` as for `r_hat`.
+    pub effective_states: Option<f64>,
+    /// What the two are made from.
+    #[serde(skip)]
+    pub halves: HalfChains,
 }
 
 /// A quantity of any size, for reading.
@@ -193,8 +201,12 @@ impl Report {
             return Ok(());
         }
         for (j, stratum) in self.strata.iter().take(STRATA_SHOWN).enumerate() {
-            let StratumReport { b, b_stderr, mutations, .. } = stratum;
-            writeln!(f, "  stratum {j:<6}  b {} ± {}, {mutations} mutations", number(*b), number(*b_stderr))?;
+            let StratumReport { b, b_stderr, mutations, r_hat, effective_states, .. } = stratum;
+            write!(f, "  stratum {j:<6}  b {} ± {}, {mutations} mutations", number(*b), number(*b_stderr))?;
+            if let (Some(r_hat), Some(states)) = (r_hat, effective_states) {
+                write!(f, ", worth {} independent states, R-hat {r_hat:.3}", short(*states))?;
+            }
+            writeln!(f)?;
         }
         match self.strata.len().saturating_sub(STRATA_SHOWN) {
             0 => Ok(()),
@@ -248,7 +260,18 @@ mod tests {
             longest_rejection: [("bidirectional".to_owned(), 31)].into(),
             b: 0.5,
             b_stderr: 0.001,
-            strata: vec![StratumReport { b: 0.025, b_stderr: 0.0001, mutations: 150_000, longest_rejection: 31 }; 20],
+            strata: vec![
+                StratumReport {
+                    b: 0.025,
+                    b_stderr: 0.0001,
+                    mutations: 150_000,
+                    longest_rejection: 31,
+                    r_hat: Some(1.012),
+                    effective_states: Some(2100.0),
+                    halves: HalfChains::default(),
+                };
+                20
+            ],
             relative_error: Some(0.0213),
             agreement: Some(Agreement { r_hat: 1.2, block: [1, 0], blocks: [8, 8], effective_samples: 36.0 }),
             decision: None,
@@ -311,6 +334,7 @@ mod tests {
             "mutations       3.00 million (1.50 million per second)",
             "acceptance      25.0 %, bidirectional 25.0 %\n",
             "b               0.500000 ± 0.001000",
+            "150000 mutations, worth 2.10 thousand independent states, R-hat 1.012",
             "and 4 more strata",
             "relative error  2.13 %, estimated",
             "written         a.exr",

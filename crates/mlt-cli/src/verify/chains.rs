@@ -1,5 +1,6 @@
 //! Whether rounds and chains agree: split-R̂, effective rounds, spread of b_j, chains that never moved.
 
+use mlt_core::engine::HalfChains;
 use rand_pcg::{
     Pcg64Mcg,
     rand_core::{Rng, SeedableRng},
@@ -31,6 +32,11 @@ pub struct Chains {
     pub b_spread: Option<f64>,
     /// Its probability if the reported errors are right, corrected for the number of strata.
     pub p_b_spread: Option<f64>,
+    /// Largest split-R̂ of a stratum's chains, halves of chains being the sequences, over all replicas together; `None`
+    /// without strata and where all states have the same importance.
+    pub r_hat_of_strata: Option<f64>,
+    /// Least number of independent states that a stratum's chains are worth, over all replicas together.
+    pub effective_states: Option<f64>,
     /// Longest run of proposals without an acceptance.
     pub longest_rejection: u64,
     /// Replicas that show the same image as an earlier one.
@@ -42,6 +48,7 @@ pub fn chains(replicas: &[Replica]) -> Chains {
     let split = Split::of(replicas);
     let strata = replicas.iter().map(|r| r.strata.len()).min().unwrap_or(0);
     let spreads: Vec<(f64, f64)> = (0..strata).filter_map(|stratum| b_spread(replicas, stratum)).collect();
+    let halves: Vec<HalfChains> = (0..strata).map(|stratum| halves(replicas, stratum)).collect();
     let least_p = spreads.iter().map(|s| s.1).reduce(f64::min);
     Chains {
         r_hat: split.as_ref().map(|split| split.r_hat),
@@ -49,6 +56,8 @@ pub fn chains(replicas: &[Replica]) -> Chains {
         effective_rounds: split.as_ref().map(|split| split.effective),
         b_spread: spreads.iter().map(|s| s.0).reduce(f64::max),
         p_b_spread: least_p.map(|p| (p * spreads.len() as f64).min(1.0)),
+        r_hat_of_strata: halves.iter().filter_map(HalfChains::r_hat).reduce(f64::max),
+        effective_states: halves.iter().filter_map(HalfChains::effective_states).reduce(f64::min),
         longest_rejection: replicas.iter().map(|r| r.longest_rejection).max().unwrap_or(0),
         repeated: repeated(replicas),
     }
@@ -126,6 +135,13 @@ fn mean_and_variance(x: impl AsRef<[f64]>) -> (f64, f64) {
     let n = x.len() as f64;
     let mean = x.iter().sum::<f64>() / n;
     (mean, x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0))
+}
+
+/// Moments over the halves of a stratum's chains in all replicas.
+fn halves(replicas: &[Replica], stratum: usize) -> HalfChains {
+    let mut all = HalfChains::default();
+    replicas.iter().for_each(|r| all.merge(&r.strata[stratum].halves));
+    all
 }
 
 /// Spread of b_j over replicas, relative to the standard error that they report, and the probability of so large a one.

@@ -1,11 +1,14 @@
 //! What a verdict rests on: independent replicas of a method and of a reference.
 
-use mlt_core::transport::{Rgb, luminance};
+use mlt_core::{
+    engine::HalfChains,
+    transport::{Rgb, luminance},
+};
 
 use crate::{
     image::Image,
     render::{Grid, Rendered},
-    report::StratumReport,
+    report::{Report, StratumReport},
 };
 
 /// Regions along each side of the image.
@@ -35,10 +38,9 @@ impl Replica {
         let Rendered { image, stderr, report, blocks } = rendered;
         let grey = |rgb: &[f32; 3]| f64::from(luminance(Rgb::from_array(*rgb)));
         let longest_rejection = report.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0);
-        let (b, b_stderr, mutations) = (report.b, report.b_stderr, report.mutations);
         let strata = match (report.method.as_str(), report.strata_option.starts_with("auto")) {
             ("auto", _) => Vec::new(),
-            (_, true) => vec![StratumReport { b, b_stderr, mutations, longest_rejection }],
+            (_, true) => vec![together(&report)],
             _ => report.strata,
         };
         Self {
@@ -49,6 +51,19 @@ impl Replica {
             longest_rejection,
             warnings: report.warnings,
         }
+    }
+}
+
+/// All strata as one, which says nothing of how chains agree: those of different strata need not.
+fn together(report: &Report) -> StratumReport {
+    StratumReport {
+        b: report.b,
+        b_stderr: report.b_stderr,
+        mutations: report.mutations,
+        longest_rejection: report.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0),
+        r_hat: None,
+        effective_states: None,
+        halves: HalfChains::default(),
     }
 }
 

@@ -6,6 +6,7 @@ use super::{
     errors::Errors,
     verdict::{Verdict, percent},
 };
+use crate::progress::short;
 
 impl Verdict {
     /// All figures, for reading.
@@ -60,6 +61,12 @@ fn chain_lines(chains: &Chains) -> Vec<String> {
         lines.push(format!(
             "  rounds            split R-hat {r_hat:.3} (p = {p:.2e}), worth {:.0} % of independent ones, in the worst block",
             percent(effective)
+        ));
+    }
+    if let (Some(r_hat), Some(states)) = (chains.r_hat_of_strata, chains.effective_states) {
+        let states = short(states);
+        lines.push(format!(
+            "  chains            split R-hat {r_hat:.3}, worth {states} independent states in all, in the worst stratum"
         ));
     }
     if let (Some(ratio), Some(p)) = (chains.b_spread, chains.p_b_spread) {

@@ -1,5 +1,6 @@
 //! One Metropolis–Hastings chain.
 
+use super::agreement::{Half, log2};
 use super::{Importance, Mixture, Mutation, Path, Sink, Stratum, StratumStats, uniform};
 use rand_pcg::rand_core::Rng;
 
@@ -13,6 +14,9 @@ pub struct Chain<'a, P, S, M, I> {
     current_importance: f64,
     /// Σ of the mutations' suitabilities at `current`.
     current_total: f64,
+    /// log₂ I at `current`, and over the states of this half.
+    level: f64,
+    half: Half,
     pending: f64,
     rejections: Rejections,
     stats: StratumStats,
@@ -37,6 +41,8 @@ where
             current_total: mixture.total(&start),
             current: start,
             current_importance,
+            level: log2(current_importance),
+            half: Half::default(),
             pending: 0.0,
             rejections: Rejections { of_any: 0, of_each: vec![0; mixture.mutations().len()] },
             stats: StratumStats::new(mixture.mutations().len()),
@@ -55,6 +61,11 @@ where
     ///
     /// Source: [VeachGuibas97], sections 4.1 and 5.1.
     pub fn step(&mut self, sink: &mut impl Sink<P::Splat>, scale: f64, rng: &mut impl Rng) {
+        self.advance(sink, scale, rng);
+        self.half.add(self.level);
+    }
+
+    fn advance(&mut self, sink: &mut impl Sink<P::Splat>, scale: f64, rng: &mut impl Rng) {
         let Candidate { mutation, importance, total, acceptance } = match self.propose(rng) {
             Ok(candidate) => candidate,
             Err(mutation) => {
@@ -67,6 +78,7 @@ where
             self.flush(sink, scale);
             std::mem::swap(&mut self.current, &mut self.proposal);
             (self.current_importance, self.current_total) = (importance, total);
+            self.level = log2(importance);
             self.pending = acceptance;
             self.rejections.of_any = 0;
             self.rejections.of_each[mutation] = 0;
@@ -86,6 +98,11 @@ where
             deposit(&self.current, self.pending * scale / self.current_importance, sink);
         }
         self.pending = 0.0;
+    }
+
+    /// Ends a half of the chain: [`HalfChains`](super::HalfChains) compares it with all others.
+    pub fn end_half(&mut self) {
+        self.half.close(&mut self.stats.halves);
     }
 
     /// Counts so far.

@@ -177,7 +177,10 @@ where
         let mut stats = StratumStats::default();
         match chain {
             Some(mut chain) => {
-                (0..mutations).for_each(|_| chain.step(deposits, scale, &mut rng));
+                for half in [mutations / 2, mutations.div_ceil(2)] {
+                    (0..half).for_each(|_| chain.step(deposits, scale, &mut rng));
+                    chain.end_half();
+                }
                 chain.flush(deposits, scale);
                 stats = chain.into_stats();
             }

@@ -8,6 +8,7 @@
 //! as a mean over independent rounds ([`render`]), each of which is one unbiased estimate of the whole image
 //! ([`Metropolis`]). It names no vector type and no scene.
 
+mod agreement;
 mod allocation;
 mod bootstrap;
 mod chain;
@@ -25,6 +26,7 @@ mod stats;
 mod stratum;
 mod sum;
 
+pub use agreement::HalfChains;
 pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, allocate, shares_by_power};
 pub use chain::Chain;
 pub use deposit::{Deposit, Deposits, Lost, Sink};

@@ -1,5 +1,7 @@
 //! What chains count.
 
+use super::HalfChains;
+
 /// Outcomes of one mutation's proposals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MutationStats {
@@ -57,6 +59,8 @@ pub struct StratumStats {
     pub dark_rounds: u64,
     /// Chains that could not start because their first state, made again, had no importance: their share is missing.
     pub refused_starts: u64,
+    /// Whether the chains agree.
+    pub halves: HalfChains,
     /// Work of the chains, in the unit of [`Metropolis::work`](super::Metropolis::work).
     pub chain_work: u64,
     /// Work of the independent samples, in the same unit.
@@ -105,6 +109,7 @@ impl StratumStats {
         self.non_finite_samples += other.non_finite_samples;
         self.dark_rounds += other.dark_rounds;
         self.refused_starts += other.refused_starts;
+        self.halves.merge(&other.halves);
         self.chain_work += other.chain_work;
         self.sample_work += other.sample_work;
     }
