@@ -32,6 +32,8 @@ pub struct Camera {
     size: [u32; 2],
     /// Area of the image on the plane at distance 1.
     area: f32,
+    /// Whether a light may be smaller than a pixel.
+    tiny_lights: bool,
 }
 
 impl Camera {
@@ -44,7 +46,22 @@ impl Camera {
             down: (-half_height * pose.up).into(),
             size,
             area: 4.0 * half_width * half_height,
+            tiny_lights: false,
         }
+    }
+
+    /// The camera among some lights, each given by its centre and area.
+    pub(super) fn among(mut self, mut lights: impl Iterator<Item = (Vec3, f64)>) -> Self {
+        let pixel = f64::from(self.area) / f64::from(self.pixels());
+        let position = Vec3::from(self.vertex.position);
+        self.tiny_lights = lights.any(|(centre, area)| area < pixel * f64::from(position.distance_squared(centre)));
+        self
+    }
+
+    /// Whether a light may be smaller than a pixel: random camera rays hardly ever meet it.
+    #[inline]
+    pub fn has_tiny_lights(&self) -> bool {
+        self.tiny_lights
     }
 
     /// The vertex at the pinhole.

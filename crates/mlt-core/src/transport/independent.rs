@@ -29,6 +29,9 @@ impl ImageSampler for PathTracer<'_> {
     }
 
     fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+        if self.view.camera.has_tiny_lights() {
+            self.see_light(rng, visit);
+        }
         self.sample(image, rng, &mut |radiance, end| visit(None, radiance, end));
     }
 }

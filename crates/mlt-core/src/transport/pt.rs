@@ -2,6 +2,9 @@
 //!
 //! It shares the surfaces with the bidirectional methods and nothing else: a second opinion on their paths' weights.
 //!
+//! Where a light may be smaller than a pixel, a point of the lights is drawn for the camera too: it crosses the image where it
+//! does, and is weighed against camera rays.
+//!
 //! Source: [Veach97], section 9.3 (the two techniques of direct lighting, power heuristic).
 
 use super::Rgb;
@@ -41,8 +44,8 @@ struct Walk {
     to_eye: Vec3A,
     /// Product of scattering and cosines over densities.
     throughput: Rgb,
-    /// Density per solid angle of the step to `vertex`, over the squared length of the step; `None` if it came from the
-    /// camera or by a delta BSDF.
+    /// Density per solid angle of the step to `vertex`, over the squared length of the step; `None` if it could not have been
+    /// drawn on a light: by a delta BSDF, or from the camera unless lights are drawn for it.
     pdf: Option<f32>,
     /// Where that step began.
     before: Vertex,
@@ -55,7 +58,11 @@ impl PathTracer<'_> {
         let camera = self.view.camera.vertex();
         let direction = self.view.camera.direction(image);
         let Some(vertex) = self.view.scene.trace(&camera, direction) else { return };
-        let walk = Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf: None, before: camera, edges: 1 };
+        let pdf = self.view.camera.has_tiny_lights().then(|| {
+            let cos = camera.geometric_normal.dot(direction);
+            self.view.camera.pdf(cos) / vertex.position.distance_squared(camera.position)
+        });
+        let walk = Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: camera, edges: 1 };
         self.gather(&walk, rng, visit);
         if self.branches == 1 {
             self.go_on(walk, rng, visit);
@@ -125,6 +132,33 @@ impl PathTracer<'_> {
         let geometric = walk.vertex.geometric_normal.dot(to_light).abs() * cos;
         let weight = geometric / density * power_heuristic(density, found.pdf_to_light * cos);
         Some((emitted * found.value * weight, point))
+    }
+
+    /// Draws a point on the lights for the camera, and shows it with the pixel where it crosses the image, weighed against the
+    /// ray through that point: L W_e G/p.
+    pub(super) fn see_light(
+        &self,
+        rng: &mut impl Rng,
+        visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd),
+    ) -> Option<()> {
+        let View { scene, camera } = self.view;
+        let eye = camera.vertex();
+        let (point, density) = self.next_event.sample(&eye, uniform(rng), f64::from(uniform_f32(rng)));
+        let source = scene.light_point(&point).1;
+        let step = source.position - eye.position;
+        let square = step.length_squared();
+        let direction = step / square.sqrt();
+        let pixel = camera.pixel(camera.image_point(direction)?);
+        let emitted = scene.emitted(&source, -direction);
+        if square <= 0.0 || emitted == Rgb::ZERO || !scene.visible(&eye, &source) {
+            return None;
+        }
+        let cos = eye.geometric_normal.dot(direction);
+        let there = source.geometric_normal.dot(direction).abs() / square;
+        let weight = power_heuristic(density as f32, camera.pdf(cos) * there);
+        let value = emitted.as_dvec3() * (f64::from(camera.w_e(cos) * cos * there * weight) / density);
+        visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point) });
+        Some(())
     }
 
     /// The next step; `None` where the path ends.

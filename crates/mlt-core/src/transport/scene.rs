@@ -111,7 +111,8 @@ impl Scene {
 
     /// A camera in this scene, for images of `size` pixels.
     pub fn camera(&self, pose: &CameraPose, size: [u32; 2]) -> Camera {
-        Camera::new(pose, self.space.point(pose.position), size)
+        let lights = self.lights.lights.iter().map(|light| (light.centre(), light.area));
+        Camera::new(pose, self.space.point(pose.position), size).among(lights)
     }
 
     /// The lights.
