@@ -1,6 +1,6 @@
 //! The image files of a render.
 
-use mlt_core::engine::Film;
+use mlt_core::{engine::Film, transport::render::standard_errors};
 
 use super::{Plan, Setup, session::Finished};
 use crate::{
@@ -41,7 +41,8 @@ pub fn develop(mut film: Film<3>, setup: &Setup) -> anyhow::Result<(Image, Optio
     let [width, height] = setup.camera.size().map(|n| n as usize);
     let pixels = || (0..film.sites() as usize).map(|i| film.pixel(i));
     let image = Image::new(width, height, pixels().map(|p| p.map(|c| c.mean as f32)).collect())?;
-    let stderr = (film.rounds() > 1).then(|| pixels().map(|p| p.map(|c| c.stderr as f32)).collect());
+    let errors = || standard_errors(&film, setup.camera.size()).into_iter().map(|e| e.map(|x| x as f32)).collect();
+    let stderr = (film.rounds() > 1).then(errors);
     Ok((image, stderr))
 }
 

@@ -334,7 +334,7 @@ mod tests {
             "mutations       3.00 million (1.50 million per second)",
             "acceptance      25.0 %, bidirectional 25.0 %\n",
             "b               0.500000 ± 0.001000",
-            "150000 mutations, worth 2.10 thousand independent states, R-hat 1.012",
+            "150000 mutations, worth 2100 independent states, R-hat 1.012",
             "and 4 more strata",
             "relative error  2.13 %, estimated",
             "written         a.exr",

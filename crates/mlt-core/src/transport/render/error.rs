@@ -1,6 +1,10 @@
 //! The image's estimated error.
 
+use super::super::blur::blurred;
 use crate::engine::{self, Film};
+
+/// Half the sides of the squares around a pixel that no round has lit, until one of them has light.
+const RADII: [usize; 4] = [1, 2, 4, 8];
 
 /// Luminance of a pixel's mean, and a bound on its standard error: Σ weight × error of the channels, which is exact where
 /// their errors are fully correlated.
@@ -20,4 +24,51 @@ pub fn relative_error(film: &Film<3>) -> f64 {
         squares += luminance * luminance;
     }
     if squares > 0.0 { (errors / squares).sqrt() } else { f64::INFINITY }
+}
+
+/// Standard errors of all pixels of an image of this size, row by row and channel by channel.
+///
+/// The spread of rounds that all found nothing is 0, which is no bar at all. Such a pixel takes the root of the mean square of
+/// the errors around it, in the smallest square of 3, 5, 9 or 17 pixels a side that has light.
+pub fn standard_errors(film: &Film<3>, size: [u32; 2]) -> Vec<[f64; 3]> {
+    let pixels: Vec<_> = (0..film.sites() as usize).map(|i| film.pixel(i)).collect();
+    let mut errors: Vec<[f64; 3]> = pixels.iter().map(|channels| channels.map(|c| c.stderr)).collect();
+    let mut unlit: Vec<usize> = (0..pixels.len()).filter(|&i| pixels[i].iter().all(|c| c.mean == 0.0)).collect();
+    if unlit.is_empty() {
+        return errors;
+    }
+    let square = |x: f64| if x.is_finite() { x * x } else { 0.0 };
+    let squares = [0, 1, 2].map(|c| errors.iter().map(|e| square(e[c])).collect::<Vec<_>>());
+    for radius in RADII {
+        let around = squares.each_ref().map(|channel| blurred(channel, size, radius));
+        unlit.retain(|&i| {
+            errors[i] = around.each_ref().map(|channel| channel[i].max(0.0).sqrt());
+            errors[i] == [0.0; 3]
+        });
+    }
+    errors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Sink, Splat};
+
+    #[test]
+    fn a_pixel_without_light_takes_the_errors_around_it() {
+        let mut film = Film::<3>::new(40, 1.0);
+        for round in 0..4 {
+            let mut deposits = film.deposits();
+            (0..2).for_each(|site| deposits.deposit(Splat { site, value: [1.0, f64::from(round % 2), 0.0] }, 1.0));
+            film.add(&[deposits]);
+            film.close_round(1);
+        }
+        let errors = standard_errors(&film, [40, 1]);
+        let lit = film.pixel(1)[1].stderr;
+        assert!(lit > 0.0 && errors[1] == [0.0, lit, 0.0]);
+        // Of three pixels one is lit; of five, one; of nine, two.
+        assert!((errors[2][1] - lit * (1f64 / 3.0).sqrt()).abs() < 1e-9, "{errors:?}");
+        assert!((errors[3][1] - lit * (1f64 / 5.0).sqrt()).abs() < 1e-9, "{errors:?}");
+        assert!(errors[9][1] > 0.0 && errors[10] == [0.0; 3], "{errors:?}");
+    }
 }

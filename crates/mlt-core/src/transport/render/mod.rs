@@ -29,7 +29,7 @@ use std::ops::{ControlFlow, Range};
 pub(super) use counts::PilotCounts;
 
 pub use counts::Counts;
-pub use error::{luminance_and_error, relative_error};
+pub use error::{luminance_and_error, relative_error, standard_errors};
 pub use settings::{Method, Settings};
 
 /// Called with the state of a render; it breaks to stop it.
