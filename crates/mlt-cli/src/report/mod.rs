@@ -197,6 +197,9 @@ impl fmt::Display for Report {
 
 impl Report {
     fn write_strata(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let [StratumReport { r_hat: Some(r_hat), effective_states: Some(states), .. }] = self.strata[..] {
+            return writeln!(f, "  chains agree    R-hat {r_hat:.3}, worth {} independent states", short(states));
+        }
         if self.strata.len() < 2 {
             return Ok(());
         }
