@@ -71,10 +71,8 @@ impl Blocks {
         if film.rounds() == self.seen || self.rounds.len() == MOST_ROUNDS {
             return;
         }
-        let pixels = (0..film.sites() as usize).map(|i| {
-            let mean = film.pixel(i).map(|channel| channel.mean as f32);
-            f64::from(luminance(Rgb::from_array(mean)))
-        });
+        let pixels = (0..film.sites() as usize)
+            .map(|i| f64::from(luminance(Rgb::from_array(film.mean(i).map(|channel| channel as f32)))));
         let sums: Vec<f64> = self.grid.shares(pixels).iter().map(|mean| mean * film.rounds() as f64).collect();
         if film.rounds() == self.seen + 1 {
             self.rounds.push(sums.iter().zip(&self.sums).map(|(now, before)| now - before).collect());

@@ -136,6 +136,13 @@ impl<const C: usize> Film<C> {
         true
     }
 
+    /// Means of a site's channels, of the rounds closed so far; 0 without any.
+    #[inline]
+    pub fn mean(&self, site: usize) -> [f64; C] {
+        let scale = if self.rounds == 0 { 0.0 } else { self.unit / (QUANTA * self.weight as f64) };
+        self.sums[site].map(|s| s.first as f64 * scale)
+    }
+
     /// Mean and standard error of a site's channels, of the rounds closed so far; 0 without any.
     ///
     /// mean = Σ w X / W,  stderr² = (Σ w X² − W mean²) / ((R − 1) W),  W = Σ w.

@@ -29,6 +29,9 @@ pub struct Camera {
     /// Half the image's width and height on the plane at distance 1, along the image's axes.
     right: Vec3A,
     down: Vec3A,
+    /// The same two, over their squared lengths and twice: what measures a point of that plane in images.
+    across: Vec3A,
+    along: Vec3A,
     size: [u32; 2],
     /// Area of the image on the plane at distance 1.
     area: f32,
@@ -40,10 +43,14 @@ impl Camera {
     pub(super) fn new(pose: &CameraPose, position: Vec3, size: [u32; 2]) -> Self {
         let half_height = (0.5 * pose.vertical_fov).tan();
         let half_width = half_height * size[0] as f32 / size[1] as f32;
+        let right = Vec3A::from(half_width * pose.forward.cross(pose.up));
+        let down = Vec3A::from(-half_height * pose.up);
         Self {
             vertex: Vertex::camera(position.into(), pose.forward.into()),
-            right: (half_width * pose.forward.cross(pose.up)).into(),
-            down: (-half_height * pose.up).into(),
+            right,
+            down,
+            across: 0.5 * right / right.length_squared(),
+            along: 0.5 * down / down.length_squared(),
             size,
             area: 4.0 * half_width * half_height,
             tiny_lights: false,
@@ -96,8 +103,7 @@ impl Camera {
     #[inline]
     pub fn image_point(&self, direction: Vec3A) -> Option<Vec2> {
         let cos = self.vertex.geometric_normal.dot(direction);
-        let plane = Vec2::new(direction.dot(self.right), direction.dot(self.down)) / cos;
-        let image = 0.5 * (plane / Vec2::new(self.right.length_squared(), self.down.length_squared()) + Vec2::ONE);
+        let image = Vec2::new(direction.dot(self.across), direction.dot(self.along)) / cos + 0.5;
         let inside = cos > 0.0 && image.cmpge(Vec2::ZERO).all() && image.cmplt(Vec2::ONE).all();
         inside.then_some(image)
     }
