@@ -51,6 +51,16 @@ impl Measure {
     }
 }
 
+/// What pilot rounds found.
+pub struct Piloted {
+    /// Of each stratum.
+    pub measures: Vec<Measure>,
+    /// Of each stratum: the sites that its chains lit, and the sum over channels that they gave them in the mean over rounds.
+    pub images: Vec<Vec<(u32, f64)>>,
+    /// What was counted.
+    pub tally: Tally,
+}
+
 /// Visits of a stratum's chains in one round to one site, as a share of all: deposits over b̂_j.
 struct Visits {
     site: u32,
@@ -68,12 +78,7 @@ struct Moments {
 impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
     /// Runs rounds that go into no image, and measures. `weigh` makes the weights w from the image (sums over channels)
     /// of these rounds.
-    pub fn pilot<const C: usize>(
-        &self,
-        sites: u32,
-        rounds: Range<u64>,
-        weigh: &dyn Fn(&[f64]) -> Vec<f64>,
-    ) -> (Vec<Measure>, Tally)
+    pub fn pilot<const C: usize>(&self, sites: u32, rounds: Range<u64>, weigh: &dyn Fn(&[f64]) -> Vec<f64>) -> Piloted
     where
         P: Path<Splat = Splat<C>> + Send,
         S: Stratum<P> + Sync,
@@ -102,15 +107,16 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
         let moments: Vec<_> = (visits.into_par_iter().zip(&tally.strata))
             .map(|(visits, stats)| moments(visits, lit_rounds(stats)))
             .collect();
+        let images: Vec<Vec<_>> = (tally.strata.iter().zip(&moments))
+            .map(|(stats, moments)| moments.iter().map(|m| (m.site, stats.b() * m.mean)).collect())
+            .collect();
         let mut image = vec![0.0; sites as usize];
-        for (stats, moments) in tally.strata.iter().zip(&moments) {
-            moments.iter().for_each(|m| image[m.site as usize] += stats.b() * m.mean);
-        }
+        images.iter().flatten().for_each(|&(site, value)| image[site as usize] += value);
         let weights = weigh(&image);
         let measures = (self.shares.iter().zip(&tally.strata).zip(&moments))
             .map(|((share, stats), moments)| measure(share.mutations, stats, moments, lit_rounds(stats), &weights))
             .collect();
-        (measures, tally)
+        Piloted { measures, images, tally }
     }
 }
 
@@ -224,7 +230,7 @@ mod tests {
         let strata = strata([1.0; 4]);
         let shares = shares_by_power(&strata, MUTATIONS);
         let weigh = |image: &[f64]| vec![1.0; image.len()];
-        let (measures, _) = with_estimator(&strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
+        let Piloted { measures, .. } = with_estimator(&strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
         let fitted = allocate(&measures, &shares, MUTATIONS);
         (measures, fitted)
     }

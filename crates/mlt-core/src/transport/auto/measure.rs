@@ -95,6 +95,12 @@ impl Measured {
         [mean(&self.mean), (mean(&self.variance) / (pixels * self.samples)).sqrt()]
     }
 
+    /// A part's image at a pixel, and its variance.
+    pub(super) fn pixel(&self, part: usize, pixel: usize) -> (f64, f64) {
+        let at = pixel * self.parts + part;
+        (self.mean[at], self.variance[at] / self.samples)
+    }
+
     /// Error of one sample a pixel in a part: mean over pixels of weight × variance.
     pub(super) fn error(&self, part: usize, weights: &[f64]) -> f64 {
         let of_part = self.variance.iter().skip(part).step_by(self.parts);

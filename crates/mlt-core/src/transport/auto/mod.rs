@@ -25,7 +25,7 @@ use super::render::PilotCounts;
 use super::scene::rays_traced;
 use super::strata::{LightStrata, Stratification};
 use super::stratum::LightStratum;
-use crate::engine::{Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Share, Tally};
+use crate::engine::{Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Piloted, Share, Tally};
 use candidates::Candidate;
 use costs::{Findings, per_pixel, weights};
 use decide::{Costs, decide};
@@ -131,7 +131,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         work: &[f64],
     ) -> (Vec<Costs>, Vec<Measure>, PilotCounts) {
         let measure = |rounds| {
-            let (chains, tally) = self.chains(view, path_space, findings.weights, rounds);
+            let (chains, tally) = self.chains(view, path_space, findings, rounds);
             (findings.costs(&chains), chains, PilotCounts::of(&tally))
         };
         let (costs, chains, first) = measure(ROUNDS);
@@ -208,16 +208,21 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
     }
 
     /// What chains find in each part.
-    fn chains(&self, view: View, strata: &[LightStratum], weights: &[f64], rounds: u64) -> (Vec<Measure>, Tally) {
+    fn chains(&self, view: View, strata: &[LightStratum], findings: &Findings, rounds: u64) -> (Vec<Measure>, Tally) {
         let mutations = self.mutations(view.camera.pixels(), strata.len());
         let shares = vec![Share { mutations, samples: mutations.div_ceil(MUTATIONS_A_SAMPLE) }; strata.len()];
         let mixture = Mixture::new(PathMutation::all(view));
         let (importance, seed) = (self.importance, self.seed);
         let chains = Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work: rays_traced };
         let pixels = view.camera.pixels();
-        let (measures, tally) = chains.pilot(pixels, CHAIN_PILOT..CHAIN_PILOT + rounds, &|_| weights.to_vec());
-        let of_image = |measure| per_pixel(measure, pixels, self.view.camera.pixels());
-        (measures.into_iter().map(of_image).collect(), tally)
+        let Piloted { measures, images, tally } =
+            chains.pilot(pixels, CHAIN_PILOT..CHAIN_PILOT + rounds, &|_| findings.weights.to_vec());
+        let of_image = |(part, (measure, image)): (usize, (Measure, Vec<_>))| {
+            let missed = findings.missed_by_chains(part, &image) * (rounds * mutations) as f64;
+            let chain_error = measure.chain_error.map(|error| error.max(missed));
+            per_pixel(Measure { chain_error, ..measure }, pixels, self.view.camera.pixels())
+        };
+        (measures.into_iter().zip(images).enumerate().map(of_image).collect(), tally)
     }
 }
 

@@ -146,7 +146,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
                 let size = self.view.camera.size();
                 let mixture = Mixture::new(PathMutation::all(self.view));
                 let estimator = self.estimator(&strata, shares, &mixture);
-                estimator.pilot(self.view.camera.pixels(), rounds, &|image| error_weights(image, size))
+                let found = estimator.pilot(self.view.camera.pixels(), rounds, &|image| error_weights(image, size));
+                (found.measures, found.tally)
             },
         };
         let Adapted { strata, shares, tally } = pilot.run(self.settings.stratification);
