@@ -3,7 +3,7 @@
 //! Source: [Veach97], chapter 10. The pinhole cannot be hit, so every path has at least one vertex from the camera.
 
 use super::light::LightPoint;
-use super::mis;
+use super::mis::{self, Ends};
 use super::path::{LightPath, PathVertex, View, set_scattering};
 use super::region::LightRegion;
 use super::subpath::{start_at_eye, start_at_light, step_from_eye, step_from_light};
@@ -116,12 +116,13 @@ impl Bidirectional<'_> {
     /// As [`sample`](Self::sample), with the camera subpath through a given point of the image. Weights are those of a
     /// uniform point, so a mean over stratified points stays right.
     pub fn sample_at(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
-        self.sample_techniques(image, rng, &mut |path, weight, _| visit(path, weight));
+        self.sample_through(image, 1.0, rng, visit);
     }
 
-    /// As [`sample_at`](Self::sample_at), and shows t, the number of the path's vertices that the camera subpath made.
-    pub fn sample_techniques(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64, usize)) {
-        self.with_subpaths(image, rng, |scratch, _| self.connect_all(scratch, visit));
+    /// As [`sample_at`](Self::sample_at), for uniform points of a part of the image, of which it has the share `area`: weights are
+    /// those of the paths that cross the image there.
+    pub fn sample_through(&self, image: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
+        self.with_subpaths(image, rng, |scratch, _| self.connect_all(scratch, area, visit));
     }
 
     /// As [`sample`](Self::sample), with random numbers for each subpath from a generator of its own.
@@ -135,17 +136,17 @@ impl Bidirectional<'_> {
             let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
             self.trace_eye(image, &mut scratch.eye, eye);
             self.trace_light(scratch, light);
-            self.connect_all(scratch, &mut |path, weight, _| visit(path, weight));
+            self.connect_all(scratch, 1.0, visit);
         });
     }
 
-    fn connect_all(&self, scratch: &mut Scratch, visit: &mut impl FnMut(&LightPath, f64, usize)) {
+    fn connect_all(&self, scratch: &mut Scratch, area: f64, visit: &mut impl FnMut(&LightPath, f64)) {
         let (lights, eyes) = (scratch.light.len(), scratch.eye.len());
         for t in 1..=eyes {
             for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
                 let light_survival = if s == 0 { 1.0 } else { scratch.light.carried(s).survival };
-                if let Some(weight) = self.connect(scratch, s, t) {
-                    visit(&scratch.path, weight / (light_survival * scratch.eye.carried(t).survival), t);
+                if let Some(weight) = self.connect(scratch, [s, t], area) {
+                    visit(&scratch.path, weight / (light_survival * scratch.eye.carried(t).survival));
                 }
             }
         }
@@ -213,7 +214,7 @@ impl Bidirectional<'_> {
     }
 
     /// Assembles the path with s light and t camera vertices; returns w_s/p_s, `None` where the contribution is zero.
-    fn connect(&self, scratch: &mut Scratch, s: usize, t: usize) -> Option<f64> {
+    fn connect(&self, scratch: &mut Scratch, [s, t]: [usize; 2], area: f64) -> Option<f64> {
         let Scratch { light, light_point, eye, path } = scratch;
         let eye = &eye.vertices[eye.vertices.len() - t..];
         if s > 0 && (light.vertices[s - 1].vertex.delta || eye[0].vertex.delta) {
@@ -229,7 +230,7 @@ impl Bidirectional<'_> {
         } else {
             path.connect(&self.view, s, s - 1..=s)?;
         }
-        let power = self.region.power();
-        Some(mis::weight(&path.vertices, s, power) / mis::density(&path.vertices, s, power))
+        let ends = Ends { power: self.region.power(), area };
+        Some(mis::weight(&path.vertices, s, ends) / mis::density(&path.vertices, s, ends))
     }
 }

@@ -6,11 +6,39 @@
 
 use super::path::PathVertex;
 
-/// p_s. `power`: of the region that x_0 is drawn from.
-pub(super) fn density(vertices: &[PathVertex], s: usize, power: f64) -> f64 {
-    let forward: f64 = vertices[..s].iter().map(|x| x.forward).product();
-    let reverse: f64 = vertices[s..].iter().map(|x| x.reverse).product();
-    if s == 0 { reverse } else { forward / power * reverse }
+/// What subpaths start on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ends {
+    /// Power of the region that x_0 is drawn on.
+    pub(super) power: f64,
+    /// Area of the part of the image, itself of area 1, that the ray to x_{k−1} is drawn through.
+    pub(super) area: f64,
+}
+
+impl Ends {
+    /// Camera rays through all of the image.
+    pub(super) fn of_image(power: f64) -> Self {
+        Self { power, area: 1.0 }
+    }
+
+    /// Density per area of x_i, drawn from the light's side.
+    #[inline]
+    pub(super) fn forward(&self, vertices: &[PathVertex], i: usize) -> f64 {
+        if i == 0 { vertices[0].forward / self.power } else { vertices[i].forward }
+    }
+
+    /// Density per area of x_i, drawn from the camera's side.
+    #[inline]
+    pub(super) fn reverse(&self, vertices: &[PathVertex], i: usize) -> f64 {
+        if i + 2 == vertices.len() { vertices[i].reverse / self.area } else { vertices[i].reverse }
+    }
+}
+
+/// p_s.
+pub(super) fn density(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
+    let forward: f64 = (0..s).map(|i| ends.forward(vertices, i)).product();
+    let reverse: f64 = (s..vertices.len()).map(|i| ends.reverse(vertices, i)).product();
+    forward * reverse
 }
 
 /// Whether x_{s−1} and x_s may be connected.
@@ -22,20 +50,21 @@ pub(super) fn connectible(vertices: &[PathVertex], s: usize) -> bool {
 /// The power heuristic's weight of technique s, which must have a positive density: p_s² / Σ_i p_i².
 ///
 /// Source: [Veach97], sections 9.2.4 and 10.2.1.
-pub(super) fn weight(vertices: &[PathVertex], s: usize, power: f64) -> f64 {
+pub(super) fn weight(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
     // p_{i+1}/p_i = forward_i/reverse_i, outwards from s, so that what is divided by has been drawn and is not zero.
-    let forward = |i: usize| if i == 0 { vertices[0].forward / power } else { vertices[i].forward };
+    let forward = |i: usize| ends.forward(vertices, i);
+    let reverse = |i: usize| ends.reverse(vertices, i);
     let mut sum = 1.0;
     let mut ratio = 1.0;
     for i in s..vertices.len() - 1 {
-        ratio *= forward(i) / vertices[i].reverse;
+        ratio *= forward(i) / reverse(i);
         if connectible(vertices, i + 1) {
             sum += ratio * ratio;
         }
     }
     ratio = 1.0;
     for i in (0..s).rev() {
-        ratio *= vertices[i].reverse / forward(i);
+        ratio *= reverse(i) / forward(i);
         if connectible(vertices, i) {
             sum += ratio * ratio;
         }

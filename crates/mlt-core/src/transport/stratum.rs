@@ -92,6 +92,19 @@ impl<'a> LightStratum<'a> {
         self.index.is_some() || self.strata.index(a) == self.strata.index(b)
     }
 
+    /// A uniform point of the stratum's part of the image, where the camera's end of a path is drawn again.
+    #[inline]
+    pub fn image_point(&self, rng: &mut impl Rng) -> Vec2 {
+        let PathClass { low, high, .. } = self.class;
+        low + (high - low) * Vec2::new(uniform_f32(rng), uniform_f32(rng))
+    }
+
+    /// Area of that part, of an image of 1.
+    #[inline]
+    pub fn image_area(&self) -> f64 {
+        self.class.area()
+    }
+
     /// Most edges of a path.
     pub fn max_edges(&self) -> usize {
         self.sampler.max_edges
@@ -107,17 +120,15 @@ impl Stratum<LightPath> for LightStratum<'_> {
     /// The camera subpath passes the class's part of the image, which makes its density that of a uniform point over the
     /// part's area; a light subpath that is connected to the camera itself may cross the image anywhere.
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
-        let PathClass { low, high, .. } = self.class;
-        let image = low + (high - low) * Vec2::new(uniform_f32(rng), uniform_f32(rng));
-        let area = self.class.area();
-        self.sampler.sample_techniques(image, rng, &mut |path, weight, t| {
+        let (image, area) = (self.image_point(rng), self.image_area());
+        self.sampler.sample_through(image, area, rng, &mut |path, weight| {
             if self.contains(path) {
-                visit(path, if t > 1 { weight * area } else { weight });
+                visit(path, weight);
             }
         });
     }
 
     fn power(&self) -> f64 {
-        self.sampler.region.power() * self.class.area()
+        self.sampler.region.power() * self.image_area()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{CHAIN_PILOT, MUTATIONS_A_SAMPLE};
 use crate::engine::{Chain, Importance, Mixture, Purpose, Sink, Stratum, generator, uniform};
-use crate::transport::mis;
+use crate::transport::mis::{self, Ends};
 use crate::transport::mutate::PathMutation;
 use crate::transport::next_event::NextEvent;
 use crate::transport::path::{LightPath, View};
@@ -98,7 +98,7 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
     fn moments(&self, path: &LightPath, largest: [f64; 2]) -> [f64; 2] {
         let vertices = path.vertices();
         let density = |s: usize| match mis::connectible(vertices, s) {
-            true => mis::density(vertices, s, self.power),
+            true => mis::density(vertices, s, Ends::of_image(self.power)),
             false => 0.0,
         };
         let contribution = path.contribution().element_sum();

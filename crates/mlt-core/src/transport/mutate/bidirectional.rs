@@ -9,10 +9,11 @@
 //!
 //! Source: [VeachGuibas97], section 5.3.1; in a stratum: [Jankauski15], section 4.2.
 
+use super::super::mis::{self, Ends};
 use super::super::path::{LightPath, PathVertex, View};
+use super::super::region::LightRegion;
 use super::super::stratum::LightStratum;
-use super::super::subpath::{start_at_light, step_from_eye, step_from_light};
-use super::super::{mis, region::LightRegion};
+use super::super::subpath::{start_at_eye, start_at_light, step_from_eye, step_from_light};
 use crate::engine::uniform;
 use rand_pcg::rand_core::Rng;
 
@@ -61,7 +62,7 @@ impl BidirectionalMutation<'_> {
         let split = edit.draw_split(rng);
         edit.copy_kept(current, proposal);
         let region = within.region_at(&current.light);
-        self.trace(proposal, &edit, split, region, rng)?;
+        self.trace(proposal, &edit, split, (within, region), rng)?;
         Some(edit.ratio(current, proposal, within))
     }
 
@@ -71,7 +72,7 @@ impl BidirectionalMutation<'_> {
         path: &mut LightPath,
         edit: &Edit,
         split: usize,
-        region: &LightRegion,
+        (within, region): (&LightStratum, &LightRegion),
         rng: &mut impl Rng,
     ) -> Option<()> {
         let joint = edit.s + split;
@@ -82,7 +83,10 @@ impl BidirectionalMutation<'_> {
             }
         }
         for i in (joint..edit.s + edit.added).rev() {
-            step_from_eye(&mut path.vertices, i + 1, &self.view, rng)?;
+            match edit.s + edit.added + edit.t - 2 {
+                last if last == i => start_at_eye(&mut path.vertices, i + 1, within.image_point(rng), &self.view)?,
+                _ => step_from_eye(&mut path.vertices, i + 1, &self.view, rng)?,
+            }
         }
         let changed = edit.s.saturating_sub(1)..=edit.s + edit.added;
         if joint == 0 {
@@ -115,8 +119,9 @@ impl Edit {
         // the only way back, too: all densities that start on the region are zero.
         let same = within.same_region(&current.light, &proposal.light);
         let power = if same { within.region_at(&current.light).power() } else { f64::INFINITY };
+        let ends = Ends { power, area: within.image_area() };
         let transition = |edit: &Self, from: &LightPath, to: &LightPath| {
-            edit.probability(from.vertices.len(), within.max_edges()) * edit.density(&to.vertices, power)
+            edit.probability(from.vertices.len(), within.max_edges()) * edit.density(&to.vertices, ends)
         };
         transition(&self.undo(), proposal, current) / transition(self, current, proposal)
     }
@@ -150,16 +155,15 @@ impl Edit {
     }
 
     /// Σ_{a′} P(a′ | a) Π forward Π reverse over the new vertices of `path`.
-    fn density(&self, path: &[PathVertex], power: f64) -> f64 {
+    fn density(&self, path: &[PathVertex], ends: Ends) -> f64 {
         // `sum`: over the splits so far, with the vertices so far; the later ones are still to be drawn from the camera.
         let technique = |split: usize| {
             if mis::connectible(path, self.s + split) { self.split_weight(split) } else { 0.0 }
         };
         let (mut sum, mut forward) = (technique(0), 1.0);
         for split in 0..self.added {
-            let x = &path[self.s + split];
-            forward *= if self.s + split == 0 { x.forward / power } else { x.forward };
-            sum = sum * x.reverse + forward * technique(split + 1);
+            forward *= ends.forward(path, self.s + split);
+            sum = sum * ends.reverse(path, self.s + split) + forward * technique(split + 1);
         }
         sum / (0..=self.added).map(|split| self.split_weight(split)).sum::<f64>()
     }
@@ -197,7 +201,7 @@ fn draw(n: usize, weight: impl Fn(usize) -> f64, rng: &mut impl Rng) -> usize {
 mod tests {
     use super::super::super::strata::{LightStrata, Stratification};
     use super::super::super::testing::{World, glass, glossy, lambert, mirror, room, two_lights, worlds};
-    use super::super::super::tests::balance::{Imbalance, imbalance};
+    use super::super::super::tests::balance::{Imbalance, imbalance, imbalance_in_tiles};
     use super::super::super::tests::paths::check_recomputed;
     use super::*;
     use crate::engine::{Generator, Purpose, Stratum, generator};
@@ -214,7 +218,7 @@ mod tests {
         let edit = Edit::draw(current.vertices.len(), within.max_edges(), rng)?;
         let split = edit.draw_split(rng);
         edit.copy_kept(current, proposal);
-        BidirectionalMutation { view: world.view() }.trace(proposal, &edit, split, within.region(), rng)?;
+        BidirectionalMutation { view: world.view() }.trace(proposal, &edit, split, (within, within.region()), rng)?;
         Some(ratio(&edit, split, current, proposal))
     }
 
@@ -268,6 +272,10 @@ mod tests {
         }
     }
 
+    fn ends(within: &LightStratum) -> Ends {
+        Ends { power: within.region().power(), area: within.image_area() }
+    }
+
     fn with_ratio(ratio: impl Fn(&Edit, usize, &LightPath, &LightPath, &LightStratum) -> f64 + Sync) -> Imbalance {
         let world = two_lights(lambert(Rgb::splat(0.6)), mirror());
         imbalance(&world, Stratification::None, 80_000, |x, y, within, rng| {
@@ -281,8 +289,8 @@ mod tests {
         let found = with_ratio(|edit, _, x, y, within| edit.ratio(x, y, within));
         found.assert_balanced("none");
         let found = with_ratio(|edit, _, x, y, within| {
-            let power = within.region().power();
-            edit.undo().density(&x.vertices, power) / edit.density(&y.vertices, power)
+            let ends = ends(within);
+            edit.undo().density(&x.vertices, ends) / edit.density(&y.vertices, ends)
         });
         println!("z = {:.2}", found.z);
         found.assert_detected("without the probability of the edit");
@@ -297,7 +305,7 @@ mod tests {
             let power = if edit.s == 0 && split > 0 { within.region().power() } else { 1.0 };
             let all: f64 = (0..=edit.added).map(|split| edit.split_weight(split)).sum();
             let one = edit.split_weight(split) / all * made / power;
-            edit.ratio(x, y, within) * edit.density(&y.vertices, within.region().power()) / one
+            edit.ratio(x, y, within) * edit.density(&y.vertices, ends(within)) / one
         });
         println!("z = {:.2}", found.z);
         found.assert_detected("counting only the split that was drawn");
@@ -306,5 +314,25 @@ mod tests {
         });
         println!("z = {:.2}", found.z);
         found.assert_detected("a tenth too much for a vertex");
+    }
+    #[test]
+    fn the_cameras_end_is_drawn_within_a_tile() {
+        let world = room(mirror(), true);
+        let mutation = BidirectionalMutation { view: world.view() };
+        let found = imbalance_in_tiles(&world, 10_000, |x, y, within, rng| mutation.propose(x, y, within, rng));
+        println!("z = {:.2}", found.z);
+        found.assert_balanced("tiles");
+        let found = imbalance_in_tiles(&world, 10_000, |x, y, within, rng| {
+            let paths = [&mut x.clone(), y];
+            propose_with(&world, paths, within, rng, |edit, _, x, y| {
+                let whole = Ends::of_image(within.region().power());
+                let density = |edit: &Edit, to: &LightPath, ends| edit.density(&to.vertices, ends);
+                let back = density(&edit.undo(), x, whole) / density(&edit.undo(), x, ends(within));
+                let there = density(edit, y, whole) / density(edit, y, ends(within));
+                edit.ratio(x, y, within) * back / there
+            })
+        });
+        println!("z = {:.2}", found.z);
+        found.assert_detected("with the density of the whole image");
     }
 }

@@ -3,18 +3,19 @@
 //! The distribution is π(x) = Σ_s p_s(x), the sum of the densities with which the bidirectional sampler makes x, so that its
 //! samples have weights near 1: w_s π / p_s ≤ √n. Stationarity is E_π[a(x→y) (g(y) − g(x))] = 0 for every function g.
 
+use super::super::Rgb;
 use super::super::bdpt::Bidirectional;
 use super::super::bsdf::{Bsdf, Dielectric, Lambert, Mirror};
 use super::super::camera::CameraPose;
 use super::super::description::SceneDescription;
 use super::super::material::Material;
 use super::super::mesh::Mesh;
+use super::super::mis::{self, Ends};
 use super::super::path::{LightPath, View, set_edge};
 use super::super::region::LightRegion;
 use super::super::scene::Scene;
 use super::super::strata::{LightStrata, Stratification};
 use super::super::stratum::LightStratum;
-use super::super::{Rgb, mis};
 use super::PathMutation;
 use crate::engine::{Mutation, Purpose, generator};
 use glam::{DVec3, Vec3A};
@@ -83,8 +84,9 @@ fn pose() -> CameraPose {
 
 /// π.
 fn target(path: &LightPath, power: f64) -> f64 {
+    let ends = Ends::of_image(power);
     let technique =
-        |s: usize| if mis::connectible(&path.vertices, s) { mis::density(&path.vertices, s, power) } else { 0.0 };
+        |s: usize| if mis::connectible(&path.vertices, s) { mis::density(&path.vertices, s, ends) } else { 0.0 };
     (0..path.vertices.len()).map(technique).sum()
 }
 

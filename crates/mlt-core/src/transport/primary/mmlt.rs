@@ -4,7 +4,7 @@
 //!
 //! Source: [HachisukaKaplanyanDachsbacher14]; there, each chain keeps the length that it started with.
 
-use super::super::mis;
+use super::super::mis::{self, Ends};
 use super::super::path::{LightPath, PathVertex, set_scattering};
 use super::super::subpath::{start_at_light, step_from_eye, step_from_light};
 use super::Part;
@@ -111,7 +111,7 @@ impl<I> Multiplexed<'_, I> {
     fn make(&self, technique: &Technique, path: &mut LightPath, light: &mut Stream, eye: &mut Stream) -> Option<f64> {
         let Part { view, strata, index, .. } = self.part;
         let (s, last) = (technique.light_vertices, technique.edges);
-        let power = strata.regions()[index as usize].power();
+        let ends = Ends::of_image(strata.regions()[index as usize].power());
         let camera = PathVertex::new(view.camera.vertex());
         path.vertices.resize(last + 1, camera);
         path.vertices[last] = camera;
@@ -128,7 +128,7 @@ impl<I> Multiplexed<'_, I> {
         } else {
             path.connect(&view, s, s - 1..=s)?;
         }
-        Some(mis::weight(&path.vertices, s, power) / mis::density(&path.vertices, s, power))
+        Some(mis::weight(&path.vertices, s, ends) / mis::density(&path.vertices, s, ends))
     }
 
     /// The first s vertices; `None` where nothing can be connected to the last of them.

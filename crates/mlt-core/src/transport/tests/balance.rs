@@ -4,6 +4,7 @@
 //! has E[b̂ g(x)] = ∫ I g. After one proposal y with acceptance a, detailed balance says that as much flows from any set
 //! of states A to any other B as from B to A: E[b̂ a (1_A(x) 1_B(y) − 1_B(x) 1_A(y))] = 0.
 
+use super::super::classes::Classes;
 use super::super::path::{LightPath, Luminance};
 use super::super::strata::{LightStrata, Stratification};
 use super::super::stratum::LightStratum;
@@ -77,15 +78,25 @@ fn labels(path: &LightPath) -> [u32; 5] {
     [(vertices.len() as u32).min(8), kinds, place, image, angle]
 }
 
-/// The imbalance of `propose` over `batches` batches in each stratum.
+/// The imbalance of `propose` over `batches` batches in each part of the lights.
 pub(crate) fn imbalance(world: &World, cut: Stratification, batches: u64, propose: impl Proposer) -> Imbalance {
     let strata = LightStrata::new(world.scene.lights(), cut);
-    let strata = LightStratum::all(&strata, world.view(), 12);
+    imbalance_within(&LightStratum::all(&strata, world.view(), 12), batches, propose)
+}
+
+/// The imbalance of `propose` over `batches` batches in each tile of the image, two by two.
+pub(crate) fn imbalance_in_tiles(world: &World, batches: u64, propose: impl Proposer) -> Imbalance {
+    let strata = LightStrata::new(world.scene.lights(), Stratification::None);
+    let tiles = Classes { lengths: false, tiles: [2, 2] };
+    imbalance_within(&LightStratum::product(&strata, world.view(), 12, tiles), batches, propose)
+}
+
+fn imbalance_within(strata: &[LightStratum], batches: u64, propose: impl Proposer) -> Imbalance {
     let blocks: Vec<_> = (0..batches).step_by(256).collect();
     let run = |&first: &u64| {
         let mut flows = HashMap::<Pair, Flow>::new();
         for batch in first..batches.min(first + 256) {
-            for (j, stratum) in (0..).zip(&strata) {
+            for (j, stratum) in (0..).zip(strata) {
                 let streams = [Purpose::Sample, Purpose::Start].map(|purpose| generator(11, purpose, batch, j, 0));
                 for (pair, sum) in flow(stratum, &propose, streams) {
                     let flow = flows.entry(pair).or_default();

@@ -1,7 +1,7 @@
 //! Weights of techniques, and the values that a path carries.
 
 use super::super::bdpt::Bidirectional;
-use super::super::mis;
+use super::super::mis::{self, Ends};
 use super::super::path::{LightPath, PathVertex, set_edge};
 use super::super::region::LightRegion;
 use super::super::testing::{World, worlds};
@@ -21,16 +21,16 @@ fn visit_paths(world: &World, samples: u64, mut visit: impl FnMut(&LightPath, f6
 #[test]
 fn weights_of_all_techniques_of_a_path_sum_to_one() {
     for (name, world) in worlds() {
-        let power = world.scene.lights().power();
+        let ends = Ends { power: world.scene.lights().power(), area: 0.3 };
         let mut paths = 0;
         visit_paths(&world, 2000, |path, _| {
             let vertices = path.vertices();
-            let density = |s: usize| if mis::connectible(vertices, s) { mis::density(vertices, s, power) } else { 0.0 };
+            let density = |s: usize| if mis::connectible(vertices, s) { mis::density(vertices, s, ends) } else { 0.0 };
             let densities: Vec<f64> = (0..vertices.len()).map(density).collect();
             let squares: f64 = densities.iter().map(|p| p * p).sum();
             let mut sum = 0.0;
             for (s, p) in densities.iter().enumerate().filter(|(_, p)| **p > 0.0) {
-                let weight = mis::weight(vertices, s, power);
+                let weight = mis::weight(vertices, s, ends);
                 assert!((weight - p * p / squares).abs() < 1e-9, "{name}: technique {s} of {}", vertices.len());
                 sum += weight;
             }
