@@ -12,15 +12,15 @@ const DARK_SAMPLES: u64 = 32;
 /// Longest chain of such a stratum: it is run only in a round whose samples find light.
 const MOST_DARK: u64 = 1 << 13;
 /// Mutations for each independent sample, unless their noise asks for more.
-const MUTATIONS_A_SAMPLE: u64 = 32;
+pub const MUTATIONS_A_SAMPLE: u64 = 32;
 /// Most independent samples of a round, as a share of its mutations.
 const MOST_SAMPLES: f64 = 0.125;
 /// Share of the mutations that goes by b_j alone, whatever the measured noise says.
 const BY_B: f64 = 0.25;
 
 /// n_j in proportion to power, but no chain shorter than [`LEAST_CHAIN`] where a round has room for that; one sample for
-/// so many mutations.
-pub fn shares_by_power<P>(strata: &[impl Stratum<P>], mutations: f64) -> Vec<Share> {
+/// `mutations_a_sample` of them, [`MUTATIONS_A_SAMPLE`] if nothing better is known.
+pub fn shares_by_power<P>(strata: &[impl Stratum<P>], mutations: f64, mutations_a_sample: u64) -> Vec<Share> {
     let power: f64 = strata.iter().map(Stratum::power).sum();
     let parts: Vec<_> = strata.iter().map(|stratum| stratum.power() / power).collect();
     let room = strata.len() as f64 * LEAST_CHAIN as f64 <= 0.5 * mutations;
@@ -31,13 +31,13 @@ pub fn shares_by_power<P>(strata: &[impl Stratum<P>], mutations: f64) -> Vec<Sha
     let share = |part: f64| {
         let mutations =
             if weak(part) || strong <= 0.0 { least } else { (rest * part / strong).round().max(least) } as u64;
-        Share { mutations, samples: usual_samples(mutations) }
+        Share { mutations, samples: samples_for(mutations, mutations_a_sample) }
     };
     parts.into_iter().map(share).collect()
 }
 
-fn usual_samples(mutations: u64) -> u64 {
-    (mutations / MUTATIONS_A_SAMPLE).max(LEAST_SAMPLES)
+fn samples_for(mutations: u64, mutations_a_sample: u64) -> u64 {
+    (mutations / mutations_a_sample.max(1)).max(LEAST_SAMPLES)
 }
 
 /// Shares that minimise Σ_j (chain_error_j / n_j + sample_error_j / m_j) where Σ n_j = `mutations`:
@@ -70,7 +70,7 @@ pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64) -> Vec
         }
         let part = BY_B * by_b[j] / b_sum + (1.0 - BY_B) * by_noise[j] / noise_sum;
         let n = ((mutations * part).round() as u64).max(LEAST_CHAIN.min(mutations as u64)).max(1);
-        Share { mutations: n, samples: ((samples(m) / excess).round() as u64).max(usual_samples(n)) }
+        Share { mutations: n, samples: ((samples(m) / excess).round() as u64).max(samples_for(n, MUTATIONS_A_SAMPLE)) }
     };
     measures.iter().enumerate().map(share).collect()
 }
@@ -117,7 +117,9 @@ mod tests {
             }
         }
         let parts = [Part(1.0), Part(297.0), Part(2.0)];
-        let n = |mutations| shares_by_power(&parts, mutations).iter().map(|s| s.mutations).collect::<Vec<_>>();
+        let n = |mutations| {
+            shares_by_power(&parts, mutations, MUTATIONS_A_SAMPLE).iter().map(|s| s.mutations).collect::<Vec<_>>()
+        };
         assert_eq!(n(300_000.0), [1000, 297_000, 2000]);
         assert_eq!(n(10_000.0), [256, 9488, 256]);
         assert_eq!(n(300.0), [1, 297, 2]);

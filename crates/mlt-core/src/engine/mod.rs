@@ -27,7 +27,7 @@ mod stratum;
 mod sum;
 
 pub use agreement::HalfChains;
-pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, allocate, shares_by_power};
+pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, MUTATIONS_A_SAMPLE, allocate, shares_by_power};
 pub use chain::Chain;
 pub use deposit::{Deposit, Deposits, Lost, Sink};
 pub use estimator::{Estimator, Observer, Outcome, Progress, render};

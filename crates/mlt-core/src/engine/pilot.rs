@@ -153,7 +153,7 @@ fn measure(mutations: u64, stats: &StratumStats, moments: &[Moments], rounds: u6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Film, Mixture, Share, allocate, render, shares_by_power, uniform};
+    use crate::engine::{Film, MUTATIONS_A_SAMPLE, Mixture, Share, allocate, render, shares_by_power, uniform};
     use rand_pcg::rand_core::Rng;
     use std::ops::ControlFlow;
 
@@ -228,7 +228,7 @@ mod tests {
 
     fn measured(rounds: u64) -> (Vec<Measure>, Vec<Share>) {
         let strata = strata([1.0; 4]);
-        let shares = shares_by_power(&strata, MUTATIONS);
+        let shares = shares_by_power(&strata, MUTATIONS, MUTATIONS_A_SAMPLE);
         let weigh = |image: &[f64]| vec![1.0; image.len()];
         let Piloted { measures, .. } = with_estimator(&strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
         let fitted = allocate(&measures, &shares, MUTATIONS);
@@ -262,8 +262,10 @@ mod tests {
             assert!((m.b - b).abs() < 5.0 * m.b_stderr + 1e-12, "{m:?}");
         }
         assert!(fitted[2].mutations > fitted[3].mutations && fitted[3].mutations > fitted[0].mutations, "{fitted:?}");
-        let (by_power, adapted) =
-            (image([1.0; 4], &shares_by_power(&strata([1.0; 4]), MUTATIONS)), image([1.0; 4], &fitted));
+        let (by_power, adapted) = (
+            image([1.0; 4], &shares_by_power(&strata([1.0; 4]), MUTATIONS, MUTATIONS_A_SAMPLE)),
+            image([1.0; 4], &fitted),
+        );
         assert!(worst_z(&by_power) < 4.0 && worst_z(&adapted) < 4.0);
         let noise = |image: &[(f64, f64)]| image.iter().map(|(_, error)| error * error).sum::<f64>();
         assert!(noise(&adapted) < 0.1 * noise(&by_power), "{} and {}", noise(&adapted), noise(&by_power));
@@ -282,7 +284,7 @@ mod tests {
     #[test]
     fn the_predicted_noise_is_the_noise() {
         let (measures, _) = measured(64);
-        let shares = shares_by_power(&strata([1.0; 4]), MUTATIONS);
+        let shares = shares_by_power(&strata([1.0; 4]), MUTATIONS, MUTATIONS_A_SAMPLE);
         let rendered = image([1.0; 4], &shares);
         for j in [0, 2, 3] {
             let Share { mutations: n, samples: m } = shares[j];

@@ -36,9 +36,11 @@ impl Ends {
 
 /// p_s.
 pub(super) fn density(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
-    let forward: f64 = (0..s).map(|i| ends.forward(vertices, i)).product();
-    let reverse: f64 = (s..vertices.len()).map(|i| ends.reverse(vertices, i)).product();
-    forward * reverse
+    let forward: f64 = vertices[..s].iter().map(|x| x.forward).product();
+    let reverse: f64 = vertices[s..].iter().map(|x| x.reverse).product();
+    let light = if s > 0 { ends.power } else { 1.0 };
+    let camera = if s + 1 < vertices.len() { ends.area } else { 1.0 };
+    forward * reverse / (light * camera)
 }
 
 /// Whether x_{s−1} and x_s may be connected.

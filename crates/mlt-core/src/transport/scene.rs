@@ -120,6 +120,11 @@ impl Scene {
         &self.lights
     }
 
+    /// Whether a surface scatters into discrete directions only.
+    pub fn has_specular(&self) -> bool {
+        self.materials.iter().any(|m| m.bsdf.is_delta())
+    }
+
     /// The materials.
     pub fn materials(&self) -> &[Material] {
         &self.materials

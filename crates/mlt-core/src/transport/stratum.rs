@@ -33,6 +33,8 @@ pub struct LightStratum<'a> {
     /// `None`: the stratum restricts no light.
     index: Option<u32>,
     class: PathClass,
+    /// Whether Ω_j is all of path space, so that no path has to be looked at.
+    everything: bool,
     sampler: Bidirectional<'a>,
 }
 
@@ -64,13 +66,15 @@ impl<'a> LightStratum<'a> {
     fn new(strata: &'a LightStrata, index: usize, class: PathClass, view: View<'a>, max_edges: usize) -> Self {
         let region = &strata.regions()[index];
         let sampler = Bidirectional { view, region, max_edges: class.kinds.most_edges(max_edges) };
-        Self { strata, index: Some(index as u32), class, sampler }
+        let everything = strata.regions().len() == 1 && class == PathClass::of_kinds(Kinds::ALL);
+        Self { strata, index: Some(index as u32), class, everything, sampler }
     }
 
     /// All paths in one stratum whose chains change the light end within the parts of `strata`. `whole`: all lights.
     pub fn mutation_only(strata: &'a LightStrata, whole: &'a LightRegion, view: View<'a>, max_edges: usize) -> Self {
         let class = PathClass::of_kinds(Kinds::ALL);
-        Self { strata, index: None, class, sampler: Bidirectional { view, region: whole, max_edges } }
+        let sampler = Bidirectional { view, region: whole, max_edges };
+        Self { strata, index: None, class, everything: true, sampler }
     }
 
     /// Where x_0 is drawn.
@@ -114,7 +118,8 @@ impl<'a> LightStratum<'a> {
 impl Stratum<LightPath> for LightStratum<'_> {
     #[inline]
     fn contains(&self, path: &LightPath) -> bool {
-        self.index.is_none_or(|index| self.strata.index(path.light()) == index) && self.class.contains(path)
+        let on_lights = || self.index.is_none_or(|index| self.strata.index(path.light()) == index);
+        self.everything || on_lights() && self.class.contains(path)
     }
 
     /// The camera subpath passes the class's part of the image, which makes its density that of a uniform point over the

@@ -91,8 +91,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
     pub(super) fn run(&self) -> (Plan, PilotCounts) {
         let lights = self.view.scene.lights();
         let strata = self.cut();
-        let specular = self.view.scene.materials().iter().any(|m| m.bsdf.is_delta());
-        let parts = Parts::new(lights, &strata, self.max_edges, specular);
+        let parts = Parts::new(lights, &strata, self.max_edges, self.view.scene.has_specular());
         let camera = self.view.camera.with_size(self.size());
         let view = View { camera: &camera, ..self.view };
         let measured = self.independent(view, &parts);

@@ -39,7 +39,7 @@ impl<'a> PathMutation<'a> {
             Self::Lens(LensPerturbation::new(view)),
             Self::MultiChain(MultiChainPerturbation::new(view)),
         ];
-        if view.scene.materials().iter().any(|m| m.bsdf.is_delta()) {
+        if view.scene.has_specular() {
             all.push(Self::Caustic(CausticPerturbation { view }));
         }
         all

@@ -20,8 +20,8 @@ use super::scene::rays_traced;
 use super::strata::{LightStrata, Stratification};
 use super::stratum::{LightStratum, Variant};
 use crate::engine::{
-    self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Path, Progress, Share, Splat, Stratum,
-    Tally, shares_by_power,
+    self, Estimator, Film, Importance, MUTATIONS_A_SAMPLE, Metropolis, Mixture, Mutation, Outcome, Path, Progress,
+    Share, Splat, Stratum, Tally, shares_by_power,
 };
 use crate::primary::{PrimaryImportance, PrimaryMutation};
 use std::ops::{ControlFlow, Range};
@@ -52,6 +52,8 @@ pub struct Renderer<'a, I = PixelImportance> {
 const BIDIRECTIONAL_MUTATIONS_A_SAMPLE: u64 = 8;
 /// The same where both are a path. Most random paths are dark, so b̂_j takes many.
 const MULTIPLEXED_MUTATIONS_A_SAMPLE: u64 = 4;
+/// Pixels of images that these are made for; larger ones need fewer samples.
+const PIXELS_OF_USUAL_SAMPLES: f64 = 16_384.0;
 /// Probability of a large step in primary sample space.
 const LARGE_STEPS: f64 = 0.3;
 /// Samples a pixel of the image that a relative importance is made from.
@@ -139,7 +141,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             mutations,
             classes: classes.count(max_edges),
             by_power: &|strata, mutations| {
-                shares_by_power(&LightStratum::product(strata, view, max_edges, classes), mutations)
+                self.shares_by_power(&LightStratum::product(strata, view, max_edges, classes), mutations)
             },
             measure: &|strata, shares, rounds| {
                 let strata = LightStratum::product(strata, view, max_edges, classes);
@@ -153,8 +155,25 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let Adapted { strata, shares, tally } = pilot.run(self.settings.stratification);
         (self.strata, self.shares, self.pilot) = (strata, shares, PilotCounts::of(&tally));
         if self.settings.variant == Variant::MutationOnly {
-            self.shares = shares_by_power(&self.path_strata(&self.strata), mutations);
+            self.shares = self.shares_by_power(&self.path_strata(&self.strata), mutations);
         }
+    }
+
+    fn shares_by_power(&self, strata: &[LightStratum], mutations: f64) -> Vec<Share> {
+        shares_by_power(strata, mutations, self.mutations_a_sample(MUTATIONS_A_SAMPLE))
+    }
+
+    /// Mutations for one independent sample, from the number that suits a small image.
+    ///
+    /// A pixel of P gets n/P of n mutations, while an error of b̂ is the same in all of them: with m samples of cost c the
+    /// squared error V_b/m + V P/n is least for its work at m/n = √(V_b/(c V P)). Where specular surfaces make paths that
+    /// a million samples hardly meet, V_b is not known, and no sample is spared.
+    fn mutations_a_sample(&self, usual: u64) -> u64 {
+        if self.view.scene.has_specular() {
+            return usual;
+        }
+        let pixels = f64::from(self.view.camera.pixels()) / PIXELS_OF_USUAL_SAMPLES;
+        (usual as f64 * pixels.sqrt().max(1.0)) as u64
     }
 
     /// The strata of paths over parts of the lights.
@@ -239,8 +258,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         PrimaryImportance: Importance<P>,
     {
         let mutations = self.settings.per_pixel * f64::from(self.view.camera.pixels());
-        let mut shares = shares_by_power(strata, mutations);
-        shares.iter_mut().for_each(|share| share.samples = share.samples.max(share.mutations / mutations_a_sample));
+        let shares = shares_by_power(strata, mutations, self.mutations_a_sample(mutations_a_sample));
         let mixture = Mixture::new(PrimaryMutation::both(LARGE_STEPS));
         let (seed, work) = (self.settings.seed, rays_traced);
         let importance = &PrimaryImportance;
@@ -293,4 +311,28 @@ fn repeat<E: Estimator<3>>(
     observe: &mut Observer,
 ) -> Outcome {
     engine::render(estimator, rounds, film, tally, &mut |progress, film, _| observe(progress, film))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Rgb;
+    use super::super::testing::{World, lambert, mirror, room};
+    use super::*;
+
+    fn samples(world: &World, side: u32) -> f64 {
+        let camera = world.camera.with_size([side, side]);
+        let view = View { camera: &camera, ..world.view() };
+        let renderer =
+            Renderer::new(view, Settings { method: Method::Metropolis, per_pixel: 1.0, ..Settings::default() });
+        let (mut film, mut counts) = (renderer.film(), Counts::default());
+        renderer.render(0..1, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
+        counts.strata[0].samples as f64 / counts.steps() as f64
+    }
+
+    #[test]
+    fn larger_images_take_fewer_samples_a_mutation_unless_surfaces_are_specular() {
+        let (matt, shiny) = (room(lambert(Rgb::ONE), false), room(mirror(), false));
+        assert_eq!([64, 128, 256].map(|side| samples(&matt, side)), [1.0 / 32.0, 1.0 / 32.0, 1.0 / 64.0]);
+        assert_eq!(samples(&shiny, 256), 1.0 / 32.0);
+    }
 }
