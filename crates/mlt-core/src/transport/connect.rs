@@ -81,9 +81,9 @@ impl Bidirectional<'_> {
             let end = scratch.eye.vertices.len();
             for t in 1..=scratch.eye.len() {
                 if let Some(value) = self.hit(&scratch.eye, t) {
-                    let [x_0, x_1] = [&scratch.eye.vertices[end - t].vertex, &scratch.eye.vertices[end - t + 1].vertex];
-                    let kind = Kind::new(t - 1, x_1.delta);
-                    visit(None, value, PathEnd { kind, light: LightEnd::Met(x_0) });
+                    let (x_0, between) =
+                        (&scratch.eye.vertices[end - t].vertex, &scratch.eye.vertices[end - t + 1..end - 1]);
+                    visit(None, value, PathEnd { kind: Kind::between(between), light: LightEnd::Met(x_0) });
                 }
                 for s in 1..=(self.max_edges + 1 - t).min(scratch.light.len()) {
                     if let Some((pixel, value)) = self.connection(scratch, s, t) {

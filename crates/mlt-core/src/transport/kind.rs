@@ -1,7 +1,7 @@
 //! Kinds of paths, which some samplers find easy and others hard.
 
 use super::light::LightPoint;
-use super::path::LightPath;
+use super::path::{LightPath, PathVertex};
 use super::vertex::Vertex;
 use std::fmt;
 
@@ -10,9 +10,11 @@ const LENGTHS: usize = 6;
 /// Number of kinds.
 pub const KINDS: usize = 2 * LENGTHS;
 
-/// A path's class of length, and whether its light meets a specular surface first.
+/// A path's class of length, and whether its light meets a specular surface first; or that it shows a light's image, since
+/// nothing but specular surfaces lies between its ends.
 ///
-/// The second is what next-event estimation cannot sample: there is nothing to connect a light to.
+/// Light that meets a specular surface first is what next-event estimation cannot sample: there is nothing to connect a
+/// light to. An image of a light is what only camera rays meet, and all of them that pass there do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind(u8);
 
@@ -21,18 +23,31 @@ pub struct Kind(u8);
 pub struct Kinds(u16);
 
 impl Kind {
-    /// The kind of a path of so many edges, at least one; `specular`: x_1 is a delta vertex.
+    /// The image of a light in specular surfaces, whatever their number.
+    pub const IMAGE: Self = Self(1);
+
+    /// The kind of a path of so many edges, at least one; `specular`: x_1 is a delta vertex. It is no [`IMAGE`](Self::IMAGE).
     #[inline]
     pub fn new(edges: usize, specular: bool) -> Self {
         // ⌈log₂ edges⌉
         let length = (usize::BITS - (edges.max(1) - 1).leading_zeros()).min(LENGTHS as u32 - 1) as u8;
-        Self(2 * length + u8::from(specular))
+        Self(2 * length + u8::from(specular && edges > 1))
+    }
+
+    /// The kind of a path that is given by what lies between its ends, x_1 first.
+    #[inline]
+    pub fn between(surfaces: &[PathVertex]) -> Self {
+        let specular = |x: &PathVertex| x.vertex.delta;
+        match surfaces.first() {
+            Some(first) if specular(first) && surfaces.iter().all(specular) => Self::IMAGE,
+            first => Self::new(surfaces.len() + 1, first.is_some_and(specular)),
+        }
     }
 
     /// The kind of a path.
     #[inline]
     pub fn of(path: &LightPath) -> Self {
-        Self::new(path.edges(), path.vertices()[1].vertex.delta)
+        Self::between(&path.vertices()[1..path.edges()])
     }
 
     /// Its number, below [`KINDS`].
@@ -49,7 +64,7 @@ impl Kind {
     /// Most edges of such a path, if no path has more than `most`.
     pub fn most_edges(self, most: usize) -> usize {
         let length = usize::from(self.0 / 2);
-        if length + 1 == LENGTHS { most } else { most.min(1 << length) }
+        if self == Self::IMAGE || length + 1 == LENGTHS { most } else { most.min(1 << length) }
     }
 }
 
@@ -59,10 +74,27 @@ impl Kinds {
     /// All.
     pub const ALL: Self = Self((1 << KINDS) - 1);
 
-    /// Both kinds of each class of length that paths of at most `most` edges have.
+    /// What camera rays meet by themselves: lights, and their images in specular surfaces.
+    pub const SEEN: Self = Self(0b11);
+
+    /// Both kinds of each class of length that paths of at most `most` edges have. Images of lights, which may have any length,
+    /// are among the longest.
     pub fn by_length(most: usize) -> impl Iterator<Item = Self> {
         let last = Kind::new(most, false).index() / 2;
-        (0..=last).map(|length| Self(0b11 << (2 * length)))
+        let of_length = |length: usize| Self(if length == 0 { 1 } else { 0b11 << (2 * length) });
+        (0..=last)
+            .map(move |length| if length == last { of_length(length).with(Kind::IMAGE) } else { of_length(length) })
+    }
+
+    /// Without one.
+    #[must_use]
+    pub fn without(self, kind: Kind) -> Self {
+        Self(self.0 & !(1 << kind.0))
+    }
+
+    /// Whether all of them are among `others`.
+    pub fn is_within(self, others: Self) -> bool {
+        self.0 & !others.0 == 0
     }
 
     /// With one more.
@@ -103,14 +135,21 @@ impl Kinds {
 impl fmt::Display for Kinds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let all =
-            [0, 1].map(|s| (0..LENGTHS).filter(|&l| self.contains(Kind::from_index(2 * l + s))).collect::<Vec<_>>());
+            [0, 1].map(|s| (s..LENGTHS).filter(|&l| self.contains(Kind::from_index(2 * l + s))).collect::<Vec<_>>());
         let name = |&l: &usize| ["1", "2", "3-4", "5-8", "9-16", "17+"][l];
         let list = |lengths: &[usize]| lengths.iter().map(name).collect::<Vec<_>>().join(", ") + " edges";
+        let longer = |lengths: &[usize]| lengths.iter().copied().filter(|&l| l > 0).collect::<Vec<_>>();
         match all {
-            [plain, specular] if plain == specular => f.write_str(&list(&plain)),
-            [plain, specular] if specular.is_empty() => write!(f, "{}, first not specular", list(&plain)),
-            [plain, specular] if plain.is_empty() => write!(f, "{}, first specular", list(&specular)),
-            [plain, specular] => write!(f, "{}, and first specular {}", list(&plain), list(&specular)),
+            [plain, specular] if plain.is_empty() && specular.is_empty() => {}
+            [plain, specular] if longer(&plain) == specular => f.write_str(&list(&plain))?,
+            [plain, specular] if specular.is_empty() => write!(f, "{}, first not specular", list(&plain))?,
+            [plain, specular] if plain.is_empty() => write!(f, "{}, first specular", list(&specular))?,
+            [plain, specular] => write!(f, "{}, and first specular {}", list(&plain), list(&specular))?,
+        }
+        match (self.contains(Kind::IMAGE), self.without(Kind::IMAGE).is_empty()) {
+            (true, true) => f.write_str("images of lights"),
+            (true, false) => f.write_str(", images of lights"),
+            (false, _) => Ok(()),
         }
     }
 }
@@ -142,7 +181,7 @@ mod tests {
         let classes = [(1, 0), (2, 1), (3, 2), (4, 2), (5, 3), (8, 3), (9, 4), (16, 4), (17, 5), (1000, 5)];
         for (edges, class) in classes {
             assert_eq!(Kind::new(edges, false).index(), 2 * class);
-            assert_eq!(Kind::new(edges, true).index(), 2 * class + 1);
+            assert_eq!(Kind::new(edges, true).index(), 2 * class + usize::from(edges > 1));
             assert!((edges..=2 * edges).contains(&Kind::new(edges, true).most_edges(1000).min(2 * edges)));
         }
     }
@@ -159,5 +198,18 @@ mod tests {
         let lengths: Vec<_> = Kinds::by_length(6).collect();
         assert_eq!(lengths.len(), 4);
         assert!(lengths[3].contains(b) && !lengths[3].contains(a));
+        let holding = |kind| lengths.iter().filter(|kinds| kinds.contains(kind)).count();
+        assert!((0..8).all(|index| holding(Kind::from_index(index)) == 1));
+    }
+
+    #[test]
+    fn images_of_lights_have_any_length() {
+        let images = Kinds::NONE.with(Kind::IMAGE);
+        assert_eq!((images.most_edges(7), Kinds::SEEN.without(Kind::IMAGE).most_edges(7)), (7, 1));
+        assert!(images.is_within(Kinds::SEEN) && !Kinds::ALL.is_within(Kinds::SEEN));
+        assert_eq!(
+            [images, Kinds::SEEN].map(|kinds| kinds.to_string()),
+            ["images of lights", "1 edges, images of lights"]
+        );
     }
 }

@@ -33,6 +33,8 @@ pub struct PathTracer<'a> {
     pub next_event: &'a NextEvent,
     /// Most edges of a path.
     pub max_edges: usize,
+    /// Most edges of a path with nothing but specular surfaces between its ends; no fewer.
+    pub max_image_edges: usize,
     /// Walks that go on from the first surface; they share what arrives there.
     pub branches: u32,
 }
@@ -50,6 +52,8 @@ struct Walk {
     /// Where that step began.
     before: Vertex,
     edges: usize,
+    /// Whether it came here by specular surfaces alone.
+    straight: bool,
 }
 
 impl PathTracer<'_> {
@@ -62,7 +66,8 @@ impl PathTracer<'_> {
             let cos = camera.geometric_normal.dot(direction);
             self.view.camera.pdf(cos) / vertex.position.distance_squared(camera.position)
         });
-        let walk = Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: camera, edges: 1 };
+        let walk =
+            Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: camera, edges: 1, straight: true };
         self.gather(&walk, rng, visit);
         if self.branches == 1 {
             self.go_on(walk, rng, visit);
@@ -76,16 +81,26 @@ impl PathTracer<'_> {
     /// Grows the path until it ends.
     #[inline(always)]
     fn go_on(&self, mut walk: Walk, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
-        while walk.edges < self.max_edges && self.scatter(&mut walk, rng).is_some() {
+        while self.may_go_on(&walk) && self.scatter(&mut walk, rng).is_some() {
             self.gather(&walk, rng, visit);
         }
+    }
+
+    #[inline(always)]
+    fn may_go_on(&self, walk: &Walk) -> bool {
+        let image = walk.straight && walk.vertex.delta;
+        walk.edges < if image { self.max_image_edges } else { self.max_edges }
     }
 
     /// Shows the light that a path brings: what its end emits and what the lights send there.
     #[inline(always)]
     fn gather(&self, walk: &Walk, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         if walk.vertex.emits {
-            let kind = Kind::new(walk.edges, walk.edges > 1 && walk.pdf.is_none());
+            let kind = match walk {
+                Walk { edges: 1, .. } => Kind::new(1, false),
+                Walk { straight: true, .. } => Kind::IMAGE,
+                _ => Kind::new(walk.edges, walk.pdf.is_none()),
+            };
             let radiance = walk.throughput * self.emitted(walk);
             visit(radiance.as_dvec3(), PathEnd { kind, light: LightEnd::Met(&walk.vertex) });
         }
@@ -178,6 +193,7 @@ impl PathTracer<'_> {
         let vertex = scene.trace(&walk.vertex, direction)?;
         let square = vertex.position.distance_squared(walk.vertex.position);
         walk.pdf = (!walk.vertex.delta).then_some(pdf / square);
+        walk.straight &= walk.vertex.delta;
         walk.before = std::mem::replace(&mut walk.vertex, vertex);
         walk.to_eye = -direction;
         walk.edges += 1;

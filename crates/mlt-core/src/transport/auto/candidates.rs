@@ -3,6 +3,7 @@
 use super::measure::work_of;
 use super::parts::LENGTHS;
 use crate::transport::bdpt::Bidirectional;
+use crate::transport::kind::{Kind, Kinds};
 use crate::transport::next_event::NextEvent;
 use crate::transport::path::View;
 use crate::transport::pt::PathTracer;
@@ -40,11 +41,12 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// All methods, for paths of all lengths and for shorter ones.
-    pub(super) fn all(view: View, next_event: &NextEvent, max_edges: usize, seed: u64) -> Vec<Self> {
+    pub(super) fn all(view: View, next_event: &NextEvent, most: usize, seed: u64) -> Vec<Self> {
         let region = &LightRegion::whole(view.scene.lights());
-        let lengths = LENGTHS.iter().map(|[_, most]| *most).filter(|&most| most < max_edges);
+        let lengths = LENGTHS.iter().map(|[_, edges]| *edges).filter(|&edges| edges < most);
         let of_length = |max_edges| {
-            let path = |branches| work_of(&PathTracer { view, next_event, max_edges, branches }, seed);
+            let path =
+                |branches| work_of(&PathTracer { view, next_event, max_edges, max_image_edges: most, branches }, seed);
             let bidirectional = Self {
                 sampler: Sampler::Bidirectional,
                 max_edges,
@@ -55,7 +57,7 @@ impl Candidate {
             let splits = BRANCHES.map(|branches| Self::path(branches, max_edges, one, two - one));
             splits.into_iter().chain([bidirectional])
         };
-        lengths.chain([max_edges]).flat_map(of_length).collect()
+        lengths.chain([most]).flat_map(of_length).collect()
     }
 
     /// Path tracing, `one` being the work of a sample that does not split and `branch` that of another branch.
@@ -69,10 +71,12 @@ impl Candidate {
         Self { sampler: Sampler::Path { branches }, max_edges, work, scale }
     }
 
-    /// What to multiply a part's measured error with, if its longest paths have so many edges; infinite if they are not
-    /// sampled.
-    pub(super) fn scale(&self, longest: usize) -> f64 {
-        if longest > self.max_edges { f64::INFINITY } else { self.scale[usize::from(longest > 2)] }
+    /// What to multiply the measured error of paths of some kinds with, of at most `most` edges; infinite if they are not
+    /// sampled. Path tracing follows images of lights to their ends.
+    pub(super) fn scale(&self, kinds: Kinds, most: usize) -> f64 {
+        let to_sample = if self.is_path() { kinds.without(Kind::IMAGE) } else { kinds };
+        let sampled = to_sample.most_edges(most) <= self.max_edges;
+        if sampled { self.scale[usize::from(kinds.most_edges(most) > 2)] } else { f64::INFINITY }
     }
 
     /// Whether it is path tracing, with any number of branches.

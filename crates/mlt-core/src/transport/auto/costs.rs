@@ -8,6 +8,7 @@ use super::parts::Parts;
 use crate::engine::Measure;
 use crate::transport::adapt::weights_of_smooth;
 use crate::transport::blur::blurred;
+use crate::transport::kind::Kinds;
 
 /// Squared relative noise of the smoothed image below which it needs no more smoothing.
 const SMOOTH: f64 = 0.05;
@@ -85,10 +86,11 @@ impl Findings<'_> {
         let found = measured.each_ref().map(|m| m.energy(part));
         let certain = found.iter().map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
         let most = candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
-        let longest = parts.group(part).most_edges(most);
+        let kinds = parts.group(part);
+        let seen = kinds.is_within(Kinds::SEEN);
         let met = |method: usize| {
             // No lamp in view is rarer than it is small, and the rays that meet it are well spread.
-            let tail = if longest > 1 { tails[part][method] } else { 0.0 };
+            let tail = if seen { 0.0 } else { tails[part][method] };
             measured[method].error(part, weights) + tail
         };
         let error = |method: usize| {
@@ -100,15 +102,16 @@ impl Findings<'_> {
             met(method).max(missed).max(unknown)
         };
         let errors = [0, 1].map(error);
-        let of = |c: &Candidate| match c.scale(longest) {
+        let of = |c: &Candidate| match c.scale(kinds, most) {
             scale if scale.is_finite() => scale * errors[usize::from(!c.is_path())],
             scale => scale,
         };
         let independent = candidates.iter().map(of).collect();
         let side = |error: f64, work: f64| (error * work * TIME_OF_A_CHAINS_RAY).sqrt();
         let chains = match chains.chain_error {
-            // A few rounds do not tell which of the lamps in view chains have not found, and a camera ray finds them all.
-            _ if longest == 1 => f64::INFINITY,
+            // A few rounds do not tell which of the lamps in view, or of their images, chains have not found, and camera rays find
+            // them all.
+            _ if seen => f64::INFINITY,
             Some(error) => side(error, chains.mutation_cost) + side(chains.sample_error, chains.sample_cost),
             // Chains that found no light where samples did are no use.
             None if found.iter().any(|[energy, _]| *energy > 0.0) => f64::INFINITY,

@@ -169,7 +169,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let (path, bidirectional) = (samples(self.per_pixel), samples(self.per_pixel / PATHS));
         [
             Measured::new(
-                &PathTracer { view, next_event: self.next_event, max_edges, branches: 1 },
+                &PathTracer { view, next_event: self.next_event, max_edges, max_image_edges: max_edges, branches: 1 },
                 parts,
                 path,
                 self.seed,

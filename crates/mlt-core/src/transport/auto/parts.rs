@@ -12,7 +12,7 @@ pub(super) const LENGTHS: [[usize; 2]; 4] = [[1, 1], [2, 2], [3, 4], [5, usize::
 pub(super) struct Parts<'a> {
     pub(super) lights: &'a Lights,
     pub(super) strata: &'a LightStrata,
-    /// Disjoint sets that together hold all kinds.
+    /// Disjoint sets that together hold all kinds that the scene has.
     pub(super) groups: Vec<Kinds>,
     /// The group of each kind.
     group_of: [u8; KINDS],
@@ -21,21 +21,19 @@ pub(super) struct Parts<'a> {
 impl<'a> Parts<'a> {
     /// `specular`: whether anything in the scene is; kinds that it lacks are not told apart.
     pub(super) fn new(lights: &'a Lights, strata: &'a LightStrata, max_edges: usize, specular: bool) -> Self {
+        let of_length = |[least, most]: [usize; 2], special: bool| {
+            let ends = [least, most].map(|edges| Kind::new(edges, special).index());
+            let inside = |kind: &Kind| kind.index() % 2 == ends[0] % 2 && (ends[0]..=ends[1]).contains(&kind.index());
+            Kinds::ALL.iter().filter(inside).fold(Kinds::NONE, Kinds::with)
+        };
         let mut groups = Vec::new();
-        for [least, most] in LENGTHS.into_iter().filter(|[least, _]| *least <= max_edges) {
-            let of_length = |special: bool| {
-                let within = |kind: &Kind| kind.index() % 2 == usize::from(special);
-                let inside = |kind: &Kind| {
-                    let lowest = Kind::new(least, special).index();
-                    (lowest..=Kind::new(most, special).index()).contains(&kind.index())
-                };
-                (Kinds::ALL.iter().filter(within).filter(inside)).fold(Kinds::NONE, Kinds::with)
-            };
-            let [plain, special] = [false, true].map(of_length);
-            if specular {
-                groups.extend([plain, special]);
-            } else {
-                groups.push(special.iter().fold(plain, Kinds::with));
+        for length in LENGTHS.into_iter().filter(|[least, _]| *least <= max_edges) {
+            let plain = of_length(length, false);
+            let special = if length == LENGTHS[0] { Kinds::NONE.with(Kind::IMAGE) } else { of_length(length, true) };
+            match specular {
+                true => groups.extend([plain, special]),
+                false if length == LENGTHS[0] => groups.push(plain),
+                false => groups.push(special.iter().fold(plain, Kinds::with)),
             }
         }
         let group_of = std::array::from_fn(|kind| {

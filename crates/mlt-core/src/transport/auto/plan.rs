@@ -4,7 +4,7 @@ use super::candidates::{Candidate, OF_A_LENGTH, Sampler};
 use super::decide::{Costs, Decision};
 use super::parts::Parts;
 use crate::engine::Share;
-use crate::transport::kind::Kinds;
+use crate::transport::kind::{Kind, Kinds};
 use crate::transport::strata::LightStrata;
 
 /// How a render is made.
@@ -40,9 +40,10 @@ impl Plan {
         self.chained.iter().map(|kinds| kinds.others()).collect()
     }
 
-    /// Most edges of these, if no path has more than `most`.
-    pub(in crate::transport) fn sampled_edges(&self, most: usize) -> usize {
-        self.sampled().iter().map(|kinds| kinds.most_edges(most)).max().unwrap_or(most).max(1)
+    /// Most edges of these, images of lights left out or not, if no path has more than `most`.
+    pub(in crate::transport) fn sampled_edges(&self, images: bool, most: usize) -> usize {
+        let kinds = self.sampled().into_iter().map(|kinds| if images { kinds } else { kinds.without(Kind::IMAGE) });
+        kinds.map(|kinds| kinds.most_edges(most)).max().unwrap_or(most).max(1)
     }
 }
 

@@ -186,7 +186,8 @@ mod tests {
         for (world, several) in [(room(rough_metal(), false), true), (pond(), false)] {
             let view = world.view();
             let (next_event, region) = (NextEvent::new(view.scene.lights()), LightRegion::whole(view.scene.lights()));
-            let path = PathTracer { view, next_event: &next_event, max_edges: MAX_EDGES, branches: 1 };
+            let (max_edges, max_image_edges) = (MAX_EDGES, MAX_EDGES);
+            let path = PathTracer { view, next_event: &next_event, max_edges, max_image_edges, branches: 1 };
             let exact = [sampled(&path), sampled(&Bidirectional { view, region: &region, max_edges: MAX_EDGES })];
             let z = |found: [[f64; 2]; 2]| [0, 1].map(|m| (found[m][0] - exact[m][0]) / found[m][1].hypot(exact[m][1]));
             let found = by_chains(&world, &next_event, region.power());

@@ -229,7 +229,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             }
             Method::Bidirectional => self.evenly(&Bidirectional { view, region: &self.whole, max_edges }, run),
             Method::Path => {
-                self.evenly(&PathTracer { view, next_event: &self.next_event, max_edges, branches: 1 }, run)
+                let (next_event, max_image_edges) = (&self.next_event, max_edges);
+                self.evenly(&PathTracer { view, next_event, max_edges, max_image_edges, branches: 1 }, run)
             }
         }
     }

@@ -13,17 +13,19 @@ use crate::engine::{Importance, Mixture, Mutation, Outcome, Sum, SumTally, Tally
 impl<I: Importance<LightPath> + Sync> Renderer<'_, I> {
     /// Renders as a plan says.
     pub(super) fn follow(&self, plan: &Plan, run: Run) -> Outcome {
-        let (view, region, max_edges) = (self.view, &self.whole, plan.sampled_edges(self.max_edges()));
+        let (view, region) = (self.view, &self.whole);
+        let edges = |images| plan.sampled_edges(images, self.max_edges());
+        let (max_edges, max_image_edges) = (edges(false), edges(view.scene.has_specular()));
         match &plan.independent {
             None => self.chains(plan, run),
             &Some((Sampler::Path { branches }, samples)) => self.mixture(
                 plan,
-                &PathTracer { view, next_event: &self.next_event, max_edges, branches },
+                &PathTracer { view, next_event: &self.next_event, max_edges, max_image_edges, branches },
                 samples,
                 run,
             ),
             &Some((Sampler::Bidirectional, samples)) => {
-                self.mixture(plan, &Bidirectional { view, region, max_edges }, samples, run)
+                self.mixture(plan, &Bidirectional { view, region, max_edges: max_image_edges }, samples, run)
             }
         }
     }
