@@ -5,7 +5,7 @@ use super::light::{Light, LightPoint};
 use super::material::Material;
 use super::mesh::Mesh;
 use glam::{DVec3, Vec3, Vec3A};
-use std::collections::HashMap;
+use rayon::prelude::*;
 
 /// No light, in the table of primitives.
 const NONE: u32 = u32::MAX;
@@ -103,7 +103,9 @@ impl Lights {
 /// Groups of triangles that share a corner's position, in the order of their first triangles.
 fn components(mesh: &Mesh) -> Vec<Vec<usize>> {
     let key = |p: DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
-    let mut first_at = HashMap::new();
+    let corners = mesh.triangles.iter().enumerate().flat_map(|(i, t)| t.map(|c| (i, c)));
+    let mut corners: Vec<_> = corners.map(|(i, c)| (key(mesh.positions[c as usize]), i)).collect();
+    corners.par_sort_unstable();
     let mut parent: Vec<usize> = (0..mesh.triangles.len()).collect();
     fn root(parent: &mut [usize], mut i: usize) -> usize {
         while parent[i] != i {
@@ -112,10 +114,11 @@ fn components(mesh: &Mesh) -> Vec<Vec<usize>> {
         }
         i
     }
-    for (i, corner) in mesh.triangles.iter().enumerate().flat_map(|(i, t)| t.map(|c| (i, c))) {
-        let other = *first_at.entry(key(mesh.positions[corner as usize])).or_insert(i);
-        let (a, b) = (root(&mut parent, i), root(&mut parent, other));
-        parent[a.max(b)] = a.min(b);
+    for [(here, i), (there, other)] in corners.array_windows() {
+        if here == there {
+            let (a, b) = (root(&mut parent, *i), root(&mut parent, *other));
+            parent[a.max(b)] = a.min(b);
+        }
     }
     let mut groups: Vec<Vec<usize>> = vec![Vec::new(); parent.len()];
     for i in 0..parent.len() {
