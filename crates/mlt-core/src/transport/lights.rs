@@ -114,9 +114,9 @@ fn components(mesh: &Mesh) -> Vec<Vec<usize>> {
         }
         i
     }
-    for [(here, i), (there, other)] in corners.array_windows() {
-        if here == there {
-            let (a, b) = (root(&mut parent, *i), root(&mut parent, *other));
+    for pair in corners.windows(2) {
+        if pair[0].0 == pair[1].0 {
+            let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
             parent[a.max(b)] = a.min(b);
         }
     }
