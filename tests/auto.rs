@@ -72,6 +72,8 @@ fn every_way_to_share_path_space_out_gives_the_same_image() {
         (Sampler::Path { branches: 4 }, [Kinds::NONE, long]),
         (Sampler::Bidirectional, [mixed, direct]),
         (Sampler::Bidirectional, [Kinds::ALL, long.others()]),
+        // Camera rays that go on through mirrors only.
+        (Sampler::Path { branches: 2 }, [Kinds::SEEN.others(); 2]),
     ] {
         let shared = shared_out(&world, sampler, chained);
         assert_same(shared.p_value(&truth), &format!("{sampler:?}, chains for {chained:?}"));
