@@ -63,7 +63,7 @@ impl ImageSampler for BrightDirectLight<'_> {
 
     fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
         let pixels = f64::from(self.0.view.camera.pixels());
-        self.0.sample_at(image, rng, &mut |path, density| {
+        self.0.sample_through(image, 1.0, rng, &mut |path, density| {
             let error = if path.edges() == 2 { 1.02 } else { 1.0 };
             let end = PathEnd { kind: Kind::of(path), light: LightEnd::Drawn(path.light()) };
             for splat in path.splats() {

@@ -47,8 +47,8 @@ fn samples_for(mutations: u64, mutations_a_sample: u64) -> u64 {
 /// A quarter of n_j goes in proportion to b_j plus its standard error, since a noisy stratum may have looked quiet. No
 /// m_j is never below what is usual for n_j: an error of b_j is small in squares, but it is the same everywhere. No
 /// stratum is left out: a dark one, b_j = 0, keeps a few samples a round, and its chain, of a length that `by_power` sets,
-/// runs only if they find light; it is not part of Σ n_j.
-pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64) -> Vec<Share> {
+/// runs only if they find light; it is not part of Σ n_j. `mutations_a_sample`: what is usual.
+pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64, mutations_a_sample: u64) -> Vec<Share> {
     let noise = |m: &Measure| m.chain_error.map(|e| e / (m.b * m.b)).filter(|q| q.is_finite());
     let most_noise = measures.iter().filter_map(noise).fold(0.0, f64::max);
     // Of a stratum that hardly ever found light nothing better is known than the worst of the others.
@@ -70,7 +70,7 @@ pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64) -> Vec
         }
         let part = BY_B * by_b[j] / b_sum + (1.0 - BY_B) * by_noise[j] / noise_sum;
         let n = ((mutations * part).round() as u64).max(LEAST_CHAIN.min(mutations as u64)).max(1);
-        Share { mutations: n, samples: ((samples(m) / excess).round() as u64).max(samples_for(n, MUTATIONS_A_SAMPLE)) }
+        Share { mutations: n, samples: ((samples(m) / excess).round() as u64).max(samples_for(n, mutations_a_sample)) }
     };
     measures.iter().enumerate().map(share).collect()
 }
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn mutations_follow_noise_and_cost() {
         let measures = [measure(1.0, 1.0, 2.0), measure(1.0, 16.0, 2.0), measure(1.0, 16.0, 8.0)];
-        let shares = allocate(&measures, &[BY_POWER; 3], 1e6);
+        let shares = allocate(&measures, &[BY_POWER; 3], 1e6, MUTATIONS_A_SAMPLE);
         let n: Vec<_> = shares.iter().map(|s| s.mutations as f64 / 1e6).collect();
         for (n, ideal) in n.iter().zip([1.0 / 7.0, 4.0 / 7.0, 2.0 / 7.0]) {
             assert!((n - (0.25 / 3.0 + 0.75 * ideal)).abs() < 1e-5, "{n}");
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn nothing_lit_is_starved_and_the_dark_costs_little() {
         let measures = [measure(1.0, 1.0, 1.0), measure(1e-9, 0.0, 1.0), measure(0.0, f64::NAN, 1.0)];
-        let shares = allocate(&measures, &[BY_POWER; 3], 1e6);
+        let shares = allocate(&measures, &[BY_POWER; 3], 1e6, MUTATIONS_A_SAMPLE);
         assert_eq!(shares[1], Share { mutations: LEAST_CHAIN, samples: LEAST_SAMPLES });
         assert_eq!(shares[2], Share { mutations: MOST_DARK, samples: DARK_SAMPLES });
         assert_eq!(shares[0].mutations, 1_000_000);
@@ -127,13 +127,13 @@ mod tests {
 
     #[test]
     fn without_any_light_shares_stay_by_power() {
-        assert_eq!(allocate(&[Measure::default(); 2], &[BY_POWER; 2], 1e6), [BY_POWER; 2]);
+        assert_eq!(allocate(&[Measure::default(); 2], &[BY_POWER; 2], 1e6, MUTATIONS_A_SAMPLE), [BY_POWER; 2]);
     }
 
     #[test]
     fn samples_follow_the_noise_of_b_and_have_a_limit() {
         let with = |sample_error| Measure { sample_error, ..measure(1.0, 1.0, 1.0) };
-        let samples = |error| allocate(&[with(error); 2], &[BY_POWER; 2], 1e6)[0].samples;
+        let samples = |error| allocate(&[with(error); 2], &[BY_POWER; 2], 1e6, MUTATIONS_A_SAMPLE)[0].samples;
         assert_eq!([0.0, 0.0001, 1e9].map(samples), [15_625, 15_625, 62_500]);
     }
 }

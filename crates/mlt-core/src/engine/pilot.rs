@@ -231,7 +231,7 @@ mod tests {
         let shares = shares_by_power(&strata, MUTATIONS, MUTATIONS_A_SAMPLE);
         let weigh = |image: &[f64]| vec![1.0; image.len()];
         let Piloted { measures, .. } = with_estimator(&strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
-        let fitted = allocate(&measures, &shares, MUTATIONS);
+        let fitted = allocate(&measures, &shares, MUTATIONS, MUTATIONS_A_SAMPLE);
         (measures, fitted)
     }
 

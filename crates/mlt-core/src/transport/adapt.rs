@@ -61,6 +61,8 @@ pub(super) struct Pilot<'a> {
     pub(super) mutations: f64,
     /// Classes that each part of the lights is cut into.
     pub(super) classes: usize,
+    /// Mutations for one independent sample, if their noise does not ask for more.
+    pub(super) mutations_a_sample: u64,
     /// n_j by power for so many mutations.
     pub(super) by_power: &'a dyn Fn(&LightStrata, f64) -> Vec<Share>,
     /// Runs pilot rounds.
@@ -88,7 +90,7 @@ impl Pilot<'_> {
             return Adapted { strata, shares: by_power, tally };
         }
         let measures = self.measure(&strata, LEVELS, &mut tally);
-        let shares = allocate(&measures, &by_power, self.mutations);
+        let shares = allocate(&measures, &by_power, self.mutations, self.mutations_a_sample);
         Adapted { strata, shares, tally }
     }
 

@@ -110,17 +110,12 @@ impl Bidirectional<'_> {
     /// for s = 0 over those that start anywhere.
     pub fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         let image = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-        self.sample_at(image, rng, visit);
-    }
-
-    /// As [`sample`](Self::sample), with the camera subpath through a given point of the image. Weights are those of a
-    /// uniform point, so a mean over stratified points stays right.
-    pub fn sample_at(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         self.sample_through(image, 1.0, rng, visit);
     }
 
-    /// As [`sample_at`](Self::sample_at), for uniform points of a part of the image, of which it has the share `area`: weights are
-    /// those of the paths that cross the image there.
+    /// As [`sample`](Self::sample), with the camera subpath through a given point. Over uniform points of a part of the
+    /// image, of which it has the share `area`, weights are those of the paths that cross the image there; stratified
+    /// points do as well.
     pub fn sample_through(&self, image: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         self.with_subpaths(image, rng, |scratch, _| self.connect_all(scratch, area, visit));
     }

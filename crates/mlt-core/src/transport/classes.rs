@@ -7,7 +7,7 @@ use glam::Vec2;
 /// Which classes path space is cut into, besides the lights' parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Classes {
-    /// By the number of edges: 1, 2, 3–4, 5–8, 9–16 and more.
+    /// By the number of edges: 1, 2, 3–4, 5–8, 9–16 and more; images of lights, of any length, apart.
     pub lengths: bool,
     /// Columns and rows of tiles.
     pub tiles: [u32; 2],
@@ -33,22 +33,26 @@ pub struct PathClass {
 
 impl Classes {
     /// Number of classes.
-    pub fn count(&self, max_edges: usize) -> usize {
-        self.kinds(max_edges).len() * (self.tiles[0].max(1) * self.tiles[1].max(1)) as usize
+    pub fn count(&self, max_edges: usize, specular: bool) -> usize {
+        self.kinds(max_edges, specular).len() * (self.tiles[0].max(1) * self.tiles[1].max(1)) as usize
     }
 
-    /// All classes: a partition of the paths of at most `max_edges` edges.
-    pub fn all(&self, max_edges: usize) -> Vec<PathClass> {
+    /// All classes: a partition of the paths of at most `max_edges` edges. `specular`: whether any surface is.
+    pub fn all(&self, max_edges: usize, specular: bool) -> Vec<PathClass> {
         let [columns, rows] = self.tiles.map(|n| n.max(1));
         let size = Vec2::new(columns as f32, rows as f32);
         let corners = (0..rows).flat_map(|y| (0..columns).map(move |x| Vec2::new(x as f32, y as f32)));
         let tiles: Vec<_> = corners.map(|corner| (corner / size, (corner + Vec2::ONE) / size)).collect();
         let with = |kinds| tiles.iter().map(move |&(low, high)| PathClass { kinds, low, high });
-        self.kinds(max_edges).into_iter().flat_map(with).collect()
+        self.kinds(max_edges, specular).into_iter().flat_map(with).collect()
     }
 
-    fn kinds(&self, max_edges: usize) -> Vec<Kinds> {
-        if self.lengths { Kinds::by_length(max_edges).collect() } else { vec![Kinds::ALL] }
+    fn kinds(&self, max_edges: usize, specular: bool) -> Vec<Kinds> {
+        if !self.lengths {
+            return vec![Kinds::ALL];
+        }
+        let images = (specular && max_edges > 1).then(|| Kinds::NONE.with(Kind::IMAGE));
+        Kinds::by_length(max_edges).chain(images).collect()
     }
 }
 
@@ -80,12 +84,12 @@ mod tests {
     fn classes_are_a_partition() {
         for (lengths, max_edges) in [(true, 1), (true, 2), (true, 3), (true, 7), (true, 1000), (false, 5)] {
             let classes = Classes { lengths, tiles: [3, 2] };
-            let all = classes.all(max_edges);
-            assert_eq!(all.len(), classes.count(max_edges));
-            for edges in 1..=max_edges {
-                let kind = Kind::new(edges, edges % 2 == 0);
+            let all = classes.all(max_edges, true);
+            assert_eq!(all.len(), classes.count(max_edges, true));
+            let images = (max_edges > 1).then_some(Kind::IMAGE);
+            for kind in (1..=max_edges).map(|edges| Kind::new(edges, edges % 2 == 1)).chain(images) {
                 let area: f64 = all.iter().filter(|c| c.kinds.contains(kind)).map(PathClass::area).sum();
-                assert!((area - 1.0).abs() < 1e-6, "{edges} of {max_edges}: {area}");
+                assert!((area - 1.0).abs() < 1e-6, "{kind:?} of {max_edges}: {area}");
             }
             let rectangles: Vec<_> = all.iter().take(6).map(|c| (c.low, c.high)).collect();
             for [x, y] in [[0.0, 0.0], [0.34, 0.49], [0.5, 0.5], [0.999, 0.999]] {

@@ -6,7 +6,7 @@
 use super::bdpt::{Bidirectional, Carried, Scratch, Subpath};
 use super::bsdf::Evaluation;
 use super::kind::{Kind, LightEnd, PathEnd};
-use super::mis::square;
+use super::mis::{Ends, square};
 use super::path::{PathVertex, emission, scattering};
 use super::vertex::Vertex;
 use glam::{DVec3, Vec2, Vec3A};
@@ -59,7 +59,7 @@ fn later_techniques(eye: &[PathVertex], forward: f64, pdf: f32, ahead: f64) -> f
 /// `behind`: that sum from two vertices further towards the light.
 #[inline]
 fn earlier_techniques(light: &[PathVertex], power: f64, (reverse, pdf): (f64, f32), behind: f64) -> f64 {
-    let forward = |j: usize| if j == 0 { light[0].forward / power } else { light[j].forward };
+    let forward = |j: usize| Ends::of_image(power).forward(light, j);
     let connects = |j: usize| if j == 0 { 1.0 } else { allowed(&light[j - 1].vertex, &light[j].vertex) };
     let last = light.len() - 1;
     let before = match last.checked_sub(1) {

@@ -10,8 +10,8 @@ const LENGTHS: usize = 6;
 /// Number of kinds.
 pub const KINDS: usize = 2 * LENGTHS;
 
-/// A path's class of length, and whether its light meets a specular surface first; or that it shows a light's image, since
-/// nothing but specular surfaces lies between its ends.
+/// A path's class of length, and whether its light meets a specular surface first; or that it shows a light's image,
+/// since nothing but specular surfaces lies between its ends.
 ///
 /// Light that meets a specular surface first is what next-event estimation cannot sample: there is nothing to connect a
 /// light to. An image of a light is what only camera rays meet, and all of them that pass there do.
@@ -26,7 +26,8 @@ impl Kind {
     /// The image of a light in specular surfaces, whatever their number.
     pub const IMAGE: Self = Self(1);
 
-    /// The kind of a path of so many edges, at least one; `specular`: x_1 is a delta vertex. It is no [`IMAGE`](Self::IMAGE).
+    /// The kind of a path of so many edges, at least one, that is no [`IMAGE`](Self::IMAGE); `specular`: x_1 is a delta
+    /// vertex.
     #[inline]
     pub fn new(edges: usize, specular: bool) -> Self {
         // ⌈log₂ edges⌉
@@ -77,13 +78,10 @@ impl Kinds {
     /// What camera rays meet by themselves: lights, and their images in specular surfaces.
     pub const SEEN: Self = Self(0b11);
 
-    /// Both kinds of each class of length that paths of at most `most` edges have. Images of lights, which may have any length,
-    /// are among the longest.
+    /// The kinds of each class of length that paths of at most `most` edges have, images of lights left out.
     pub fn by_length(most: usize) -> impl Iterator<Item = Self> {
         let last = Kind::new(most, false).index() / 2;
-        let of_length = |length: usize| Self(if length == 0 { 1 } else { 0b11 << (2 * length) });
-        (0..=last)
-            .map(move |length| if length == last { of_length(length).with(Kind::IMAGE) } else { of_length(length) })
+        (0..=last).map(|length| Self(0b11 << (2 * length)).without(Kind::IMAGE))
     }
 
     /// Without one.
@@ -199,7 +197,7 @@ mod tests {
         assert_eq!(lengths.len(), 4);
         assert!(lengths[3].contains(b) && !lengths[3].contains(a));
         let holding = |kind| lengths.iter().filter(|kinds| kinds.contains(kind)).count();
-        assert!((0..8).all(|index| holding(Kind::from_index(index)) == 1));
+        assert!((0..8).all(|index| holding(Kind::from_index(index)) == usize::from(index != Kind::IMAGE.index())));
     }
 
     #[test]

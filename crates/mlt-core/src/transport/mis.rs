@@ -2,7 +2,7 @@
 //!
 //! A path of n vertices can be made with s vertices from the light and n − s from the camera, s = 0 … n − 1, with density
 //! p_s = Π_{i<s} forward_i · Π_{i≥s} reverse_i. Where s ≥ 1 the edge between x_{s−1} and x_s is a connection, which
-//! must not end at a delta vertex: else p_s = 0.
+//! must not end at a delta vertex: else p_s = 0. x_0 and x_{k−1} are drawn on what [`Ends`] says.
 
 use super::path::PathVertex;
 
@@ -80,9 +80,8 @@ pub(super) fn weight(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
 /// Source: the recursion of [Georgiev12], "Implementing Vertex Connection and Merging", for the power heuristic.
 #[inline]
 pub(super) fn from_light(vertices: &[PathVertex], j: usize, power: f64, before: f64) -> f64 {
-    let x = &vertices[j];
-    let forward = if j == 0 { x.forward / power } else { x.forward };
-    square(x.reverse / forward) * (allowed(vertices, j) + before)
+    let forward = Ends::of_image(power).forward(vertices, j);
+    square(vertices[j].reverse / forward) * (allowed(vertices, j) + before)
 }
 
 /// Σ_{i > j} (p_i/p_j)² for a camera subpath, from the same sum from j + 1, `before`:

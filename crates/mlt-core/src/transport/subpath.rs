@@ -44,14 +44,10 @@ pub(super) fn start_at_eye(vertices: &mut [PathVertex], i: usize, image: Vec2, v
     follow_from_eye(vertices, i, view.camera.direction(image), view)
 }
 
-/// Draws x_{i−1} from x_i, and sets the edge between them. The edge to x_{i+1} must be set.
+/// Draws x_{i−1} from x_i, a surface, and sets the edge between them. The edge to x_{i+1} must be set.
 #[inline(always)]
 pub(super) fn step_from_eye(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
     let x = &vertices[i];
-    if x.vertex.is_camera() {
-        let image = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-        return start_at_eye(vertices, i, image, view);
-    }
     let direction = view.scene.sample(&x.vertex, x.to_eye, rng)?;
     follow_from_eye(vertices, i, direction, view)
 }

@@ -72,11 +72,11 @@ impl Candidate {
     }
 
     /// What to multiply the measured error of paths of some kinds with, of at most `most` edges; infinite if they are not
-    /// sampled. Path tracing follows images of lights to their ends.
+    /// sampled. Path tracing follows images of lights to their ends, and branches follow the same ones in a mirror.
     pub(super) fn scale(&self, kinds: Kinds, most: usize) -> f64 {
-        let to_sample = if self.is_path() { kinds.without(Kind::IMAGE) } else { kinds };
-        let sampled = to_sample.most_edges(most) <= self.max_edges;
-        if sampled { self.scale[usize::from(kinds.most_edges(most) > 2)] } else { f64::INFINITY }
+        let longest = kinds.without(Kind::IMAGE).most_edges(most);
+        let sampled = longest <= self.max_edges && (self.is_path() || kinds.most_edges(most) <= self.max_edges);
+        if sampled { self.scale[usize::from(longest > 2)] } else { f64::INFINITY }
     }
 
     /// Whether it is path tracing, with any number of branches.

@@ -109,8 +109,8 @@ impl Findings<'_> {
         let independent = candidates.iter().map(of).collect();
         let side = |error: f64, work: f64| (error * work * TIME_OF_A_CHAINS_RAY).sqrt();
         let chains = match chains.chain_error {
-            // A few rounds do not tell which of the lamps in view, or of their images, chains have not found, and camera rays find
-            // them all.
+            // A few rounds do not tell which of the lamps in view, or of their images, chains have not found, and camera
+            // rays find them all.
             _ if seen => f64::INFINITY,
             Some(error) => side(error, chains.mutation_cost) + side(chains.sample_error, chains.sample_cost),
             // Chains that found no light where samples did are no use.

@@ -56,8 +56,9 @@ pub(super) fn decide(work: &[f64], parts: &[Costs]) -> Decision {
             order[..easy].iter().for_each(|&i| in_chains[i] = false);
             let chain_share = if chained > 0.0 { chained / (sampled + chained) } else { 0.0 };
             let product = (sampled + chained).powi(2);
-            // Chains with help for nothing but what they do not sample at all are a single method.
-            let single = easy == parts.len() || order[..easy].iter().all(|&i| parts[i].chains.is_infinite());
+            // Chains with help for nothing but what they do not sample at all, or what is dark, are a single method.
+            let helps = |&i: &usize| parts[i].chains > 0.0 && parts[i].chains.is_finite();
+            let single = easy == parts.len() || !order[..easy].iter().any(helps);
             let best = if single { &mut best_single } else { best_mixture.get_or_insert(nothing.clone()) };
             if product < best.product {
                 *best = Decision { independent: Some(m), in_chains, chain_share, product };
@@ -106,9 +107,12 @@ mod tests {
     #[test]
     fn chains_with_help_are_a_single_method() {
         let lamp = part(0.01, 0.01, f64::INFINITY);
-        let close = decide(&[1.0, 4.0], &[lamp.clone(), part(15.0, 99.0, 16.0), part(1e5, 1e4, 36.0)]);
+        let hard = [part(15.0, 99.0, 16.0), part(1e5, 1e4, 36.0)];
+        let close = decide(&[1.0, 4.0], &[vec![lamp.clone()], hard.to_vec()].concat());
         assert_eq!((close.independent, close.in_chains), (Some(0), vec![false, true, true]));
         assert!((close.product / 10.1f64.powi(2) - 1.0).abs() < 1e-12);
+        let dark = decide(&[1.0, 4.0], &[vec![part(0.0, 0.0, 0.0), lamp.clone()], hard.to_vec()].concat());
+        assert_eq!((dark.product, &dark.in_chains[1..]), (close.product, &[false, true, true][..]));
         let far = decide(&[1.0, 4.0], &[lamp, part(1.0, 99.0, 16.0), part(1e5, 1e4, 9.0)]);
         assert_eq!((far.independent, far.in_chains), (Some(0), vec![false, false, true]));
     }

@@ -28,12 +28,12 @@ impl<'a> Parts<'a> {
         };
         let mut groups = Vec::new();
         for length in LENGTHS.into_iter().filter(|[least, _]| *least <= max_edges) {
-            let plain = of_length(length, false);
-            let special = if length == LENGTHS[0] { Kinds::NONE.with(Kind::IMAGE) } else { of_length(length, true) };
-            match specular {
-                true => groups.extend([plain, special]),
-                false if length == LENGTHS[0] => groups.push(plain),
-                false => groups.push(special.iter().fold(plain, Kinds::with)),
+            let [plain, special] = [false, true].map(|special| of_length(length, special));
+            match length {
+                [1, _] if specular => groups.extend([plain, Kinds::NONE.with(Kind::IMAGE)]),
+                [least, _] if specular && least > 2 => groups.extend([plain, special]),
+                // The one surface of a path of two edges is specular in images only.
+                _ => groups.push(special.iter().fold(plain, Kinds::with)),
             }
         }
         let group_of = std::array::from_fn(|kind| {

@@ -61,7 +61,7 @@ pub struct Summary {
 /// What a pilot found of one part of path space.
 ///
 /// Each noise is error × work: the part's contribution to the image's mean of Var/(L² + (L̄/10)²), times the rays that
-/// were traced for it a pixel. It is infinite where a method missed what another one found.
+/// were traced for it a pixel. It is infinite where a method missed what another one found, and where it is not used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartSummary {
     /// Which part of the lights.

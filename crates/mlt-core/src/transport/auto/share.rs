@@ -3,7 +3,7 @@
 use super::decide::Decision;
 use super::parts::Parts;
 use super::{MUTATIONS_A_SAMPLE, TIME_OF_A_CHAINS_RAY};
-use crate::engine::{Measure, Share, allocate};
+use crate::engine::{self, Measure, Share, allocate};
 use crate::transport::kind::Kinds;
 
 /// The kinds of each of the lights' parts that chains sample, and their shares of a round of so much work.
@@ -28,7 +28,7 @@ pub(super) fn share_out(
     for _ in 0..3 {
         let n = (mutations.max(1.0) / unions.len().max(1) as f64) as u64;
         let even = vec![Share { mutations: n.max(1), samples: (n / MUTATIONS_A_SAMPLE).max(1) }; unions.len()];
-        shares = allocate(&unions, &even, mutations.max(1.0));
+        shares = allocate(&unions, &even, mutations.max(1.0), engine::MUTATIONS_A_SAMPLE);
         let cost = |(share, m): (&Share, &Measure)| {
             share.mutations as f64 * m.mutation_cost + share.samples as f64 * m.sample_cost
         };

@@ -5,7 +5,8 @@
 //!
 //! T(x→y | s, t) = P(d | n_x) / (n_x − d) · P(a | d) · Σ_{a′} P(a′ | a) Π_{s ≤ i < s+a′} forward_i(y) Π_{s+a′ ≤ i < s+a} reverse_i(y)
 //!
-//! All a′ that could have made y are counted. The way back deletes a and traces d, with the same s and t.
+//! All a′ that could have made y are counted. The way back deletes a and traces d, with the same s and t. Densities are those
+//! of [`Ends`]: x_0 is drawn on the stratum's part of the lights, and x_{k−1} through its part of the image.
 //!
 //! Source: [VeachGuibas97], section 5.3.1; in a stratum: [Jankauski15], section 4.2.
 
@@ -83,9 +84,10 @@ impl BidirectionalMutation<'_> {
             }
         }
         for i in (joint..edit.s + edit.added).rev() {
-            match edit.s + edit.added + edit.t - 2 {
-                last if last == i => start_at_eye(&mut path.vertices, i + 1, within.image_point(rng), &self.view)?,
-                _ => step_from_eye(&mut path.vertices, i + 1, &self.view, rng)?,
+            if path.vertices[i + 1].vertex.is_camera() {
+                start_at_eye(&mut path.vertices, i + 1, within.image_point(rng), &self.view)?;
+            } else {
+                step_from_eye(&mut path.vertices, i + 1, &self.view, rng)?;
             }
         }
         let changed = edit.s.saturating_sub(1)..=edit.s + edit.added;
@@ -315,6 +317,7 @@ mod tests {
         println!("z = {:.2}", found.z);
         found.assert_detected("a tenth too much for a vertex");
     }
+
     #[test]
     fn the_cameras_end_is_drawn_within_a_tile() {
         let world = room(mirror(), true);

@@ -6,10 +6,11 @@
 
 use super::super::mis::{self, Ends};
 use super::super::path::{LightPath, PathVertex, set_scattering};
-use super::super::subpath::{start_at_light, step_from_eye, step_from_light};
+use super::super::subpath::{start_at_eye, start_at_light, step_from_eye, step_from_light};
 use super::Part;
 use crate::engine::{Importance, Splat, uniform, uniform_f32};
 use crate::primary::{Output, Stream, Streams, Tracer};
+use glam::Vec2;
 
 /// Numbers of length and technique, of the light's subpath, of the camera's.
 const STREAMS: usize = 3;
@@ -117,7 +118,12 @@ impl<I> Multiplexed<'_, I> {
         path.vertices[last] = camera;
         self.trace_light(s, path, light)?;
         for i in (s + 1..=last).rev() {
-            step_from_eye(&mut path.vertices, i, &view, eye)?;
+            if i == last {
+                let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
+                start_at_eye(&mut path.vertices, i, image, &view)?;
+            } else {
+                step_from_eye(&mut path.vertices, i, &view, eye)?;
+            }
             set_scattering(&mut path.vertices, i, &view)?;
         }
         if s == 0 {

@@ -1,5 +1,6 @@
 //! A whole render: a method, its settings, and what it counted.
 
+mod bootstrap;
 mod counts;
 mod error;
 mod planned;
@@ -26,6 +27,8 @@ use crate::engine::{
 use crate::primary::{PrimaryImportance, PrimaryMutation};
 use std::ops::{ControlFlow, Range};
 
+use bootstrap::{BIDIRECTIONAL_MUTATIONS_A_SAMPLE, MULTIPLEXED_MUTATIONS_A_SAMPLE, mutations_a_sample};
+
 pub(super) use counts::PilotCounts;
 
 pub use counts::Counts;
@@ -48,12 +51,6 @@ pub struct Renderer<'a, I = PixelImportance> {
     plan: Option<Plan>,
 }
 
-/// Mutations for one independent sample, of those for b̂_j and the chains' starts, where both are a bidirectional sample.
-const BIDIRECTIONAL_MUTATIONS_A_SAMPLE: u64 = 8;
-/// The same where both are a path. Most random paths are dark, so b̂_j takes many.
-const MULTIPLEXED_MUTATIONS_A_SAMPLE: u64 = 4;
-/// Pixels of images that these are made for; larger ones need fewer samples.
-const PIXELS_OF_USUAL_SAMPLES: f64 = 16_384.0;
 /// Probability of a large step in primary sample space.
 const LARGE_STEPS: f64 = 0.3;
 /// Samples a pixel of the image that a relative importance is made from.
@@ -139,7 +136,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             lights: self.view.scene.lights(),
             adaptation: self.settings.adaptation,
             mutations,
-            classes: classes.count(max_edges),
+            classes: classes.count(max_edges, view.scene.has_specular()),
+            mutations_a_sample: mutations_a_sample(view, MUTATIONS_A_SAMPLE),
             by_power: &|strata, mutations| {
                 self.shares_by_power(&LightStratum::product(strata, view, max_edges, classes), mutations)
             },
@@ -160,20 +158,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     }
 
     fn shares_by_power(&self, strata: &[LightStratum], mutations: f64) -> Vec<Share> {
-        shares_by_power(strata, mutations, self.mutations_a_sample(MUTATIONS_A_SAMPLE))
-    }
-
-    /// Mutations for one independent sample, from the number that suits a small image.
-    ///
-    /// A pixel of P gets n/P of n mutations, while an error of b̂ is the same in all of them: with m samples of cost c the
-    /// squared error V_b/m + V P/n is least for its work at m/n = √(V_b/(c V P)). Where specular surfaces make paths that
-    /// a million samples hardly meet, V_b is not known, and no sample is spared.
-    fn mutations_a_sample(&self, usual: u64) -> u64 {
-        if self.view.scene.has_specular() {
-            return usual;
-        }
-        let pixels = f64::from(self.view.camera.pixels()) / PIXELS_OF_USUAL_SAMPLES;
-        (usual as f64 * pixels.sqrt().max(1.0)) as u64
+        shares_by_power(strata, mutations, mutations_a_sample(self.view, MUTATIONS_A_SAMPLE))
     }
 
     /// The strata of paths over parts of the lights.
@@ -251,7 +236,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     }
 
     /// Metropolis in primary sample space, with shares by power.
-    fn primary<P, S>(&self, strata: &[S], mutations_a_sample: u64, run: Run) -> Outcome
+    fn primary<P, S>(&self, strata: &[S], usual: u64, run: Run) -> Outcome
     where
         P: Path<Splat = Splat<3>> + Send,
         S: Stratum<P> + Sync,
@@ -259,7 +244,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         PrimaryImportance: Importance<P>,
     {
         let mutations = self.settings.per_pixel * f64::from(self.view.camera.pixels());
-        let shares = shares_by_power(strata, mutations, self.mutations_a_sample(mutations_a_sample));
+        let shares = shares_by_power(strata, mutations, mutations_a_sample(self.view, usual));
         let mixture = Mixture::new(PrimaryMutation::both(LARGE_STEPS));
         let (seed, work) = (self.settings.seed, rays_traced);
         let importance = &PrimaryImportance;
@@ -312,28 +297,4 @@ fn repeat<E: Estimator<3>>(
     observe: &mut Observer,
 ) -> Outcome {
     engine::render(estimator, rounds, film, tally, &mut |progress, film, _| observe(progress, film))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::Rgb;
-    use super::super::testing::{World, lambert, mirror, room};
-    use super::*;
-
-    fn samples(world: &World, side: u32) -> f64 {
-        let camera = world.camera.with_size([side, side]);
-        let view = View { camera: &camera, ..world.view() };
-        let renderer =
-            Renderer::new(view, Settings { method: Method::Metropolis, per_pixel: 1.0, ..Settings::default() });
-        let (mut film, mut counts) = (renderer.film(), Counts::default());
-        renderer.render(0..1, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
-        counts.strata[0].samples as f64 / counts.steps() as f64
-    }
-
-    #[test]
-    fn larger_images_take_fewer_samples_a_mutation_unless_surfaces_are_specular() {
-        let (matt, shiny) = (room(lambert(Rgb::ONE), false), room(mirror(), false));
-        assert_eq!([64, 128, 256].map(|side| samples(&matt, side)), [1.0 / 32.0, 1.0 / 32.0, 1.0 / 64.0]);
-        assert_eq!(samples(&shiny, 256), 1.0 / 32.0);
-    }
 }
