@@ -22,11 +22,11 @@ use super::next_event::NextEvent;
 use super::path::{LightPath, View};
 use super::pt::PathTracer;
 use super::region::LightRegion;
-use super::render::PilotCounts;
+use super::render::{PilotCounts, mutations_a_sample};
 use super::scene::rays_traced;
 use super::strata::{LightStrata, Stratification};
 use super::stratum::LightStratum;
-use crate::engine::{Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Piloted, Share, Tally};
+use crate::engine::{self, Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Piloted, Share, Tally};
 use candidates::Candidate;
 use costs::{Findings, per_pixel, weights};
 use decide::{Costs, decide};
@@ -113,7 +113,9 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
             _ => good_number(budget, &decision, work[m]),
         });
         let rest = budget - decision.independent.map_or(0.0, |m| samples * work[m]);
-        let (kinds, shares) = share_out(&parts, &decision, &chains, rest * f64::from(self.view.camera.pixels()));
+        let work_of_chains = rest * f64::from(self.view.camera.pixels());
+        let usual = mutations_a_sample(self.view, engine::MUTATIONS_A_SAMPLE);
+        let (kinds, shares) = share_out(&parts, &decision, &chains, work_of_chains, usual);
         let independent = decision.independent.map(|m| (candidates[m].sampler, samples));
         let sampled = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
         let sampled = PilotCounts { mutations: 0, rays: sampled as u64 };

@@ -3,7 +3,7 @@
 use super::decide::Decision;
 use super::parts::Parts;
 use super::{MUTATIONS_A_SAMPLE, TIME_OF_A_CHAINS_RAY};
-use crate::engine::{self, Measure, Share, allocate};
+use crate::engine::{Measure, Share, allocate};
 use crate::transport::kind::Kinds;
 
 /// The kinds of each of the lights' parts that chains sample, and their shares of a round of so much work.
@@ -12,6 +12,7 @@ pub(super) fn share_out(
     decision: &Decision,
     measures: &[Measure],
     work: f64,
+    mutations_a_sample: u64,
 ) -> (Vec<Kinds>, Vec<Share>) {
     let (mut chained, mut unions) = (Vec::new(), Vec::new());
     let groups = parts.groups.len();
@@ -28,7 +29,7 @@ pub(super) fn share_out(
     for _ in 0..3 {
         let n = (mutations.max(1.0) / unions.len().max(1) as f64) as u64;
         let even = vec![Share { mutations: n.max(1), samples: (n / MUTATIONS_A_SAMPLE).max(1) }; unions.len()];
-        shares = allocate(&unions, &even, mutations.max(1.0), engine::MUTATIONS_A_SAMPLE);
+        shares = allocate(&unions, &even, mutations.max(1.0), mutations_a_sample);
         let cost = |(share, m): (&Share, &Measure)| {
             share.mutations as f64 * m.mutation_cost + share.samples as f64 * m.sample_cost
         };

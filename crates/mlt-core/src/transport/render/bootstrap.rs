@@ -14,7 +14,7 @@ const PIXELS: f64 = 16_384.0;
 /// A pixel of P gets n/P of n mutations, while an error of b̂ is the same in all of them: with m samples of cost c the squared
 /// error V_b/m + V P/n is least for its work at m/n = √(V_b/(c V P)). Where specular surfaces make paths that a million
 /// samples hardly meet, V_b is not known, and no sample is spared.
-pub(super) fn mutations_a_sample(view: View, usual: u64) -> u64 {
+pub(in crate::transport) fn mutations_a_sample(view: View, usual: u64) -> u64 {
     if view.scene.has_specular() {
         return usual;
     }

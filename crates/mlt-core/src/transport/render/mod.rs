@@ -27,8 +27,9 @@ use crate::engine::{
 use crate::primary::{PrimaryImportance, PrimaryMutation};
 use std::ops::{ControlFlow, Range};
 
-use bootstrap::{BIDIRECTIONAL_MUTATIONS_A_SAMPLE, MULTIPLEXED_MUTATIONS_A_SAMPLE, mutations_a_sample};
+use bootstrap::{BIDIRECTIONAL_MUTATIONS_A_SAMPLE, MULTIPLEXED_MUTATIONS_A_SAMPLE};
 
+pub(super) use bootstrap::mutations_a_sample;
 pub(super) use counts::PilotCounts;
 
 pub use counts::Counts;
