@@ -118,7 +118,7 @@ impl<'a> LightStratum<'a> {
 impl Stratum<LightPath> for LightStratum<'_> {
     #[inline]
     fn contains(&self, path: &LightPath) -> bool {
-        let on_lights = || self.index.is_none_or(|index| self.strata.index(path.light()) == index);
+        let on_lights = || self.index == Some(self.strata.index(path.light()));
         self.everything || on_lights() && self.class.contains(path)
     }
 
