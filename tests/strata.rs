@@ -8,6 +8,7 @@ use mlt_core::transport::{
     camera::Camera,
     classes::Classes,
     importance::Target,
+    mutate::Perturbations,
     path::View,
     render::{Counts, Method, Renderer, Settings, luminance_and_error},
     scene::Scene,
@@ -116,6 +117,13 @@ fn the_variant_that_restricts_the_mutation_alone_is_unbiased() {
     let stage = Stage::new("ring", [16, 16]);
     let variant = Variant::MutationOnly;
     agrees(&stage, &Settings { stratification: Stratification::Grid(2, 2), variant, ..base() });
+}
+
+#[test]
+fn the_bidirectional_mutation_alone_reaches_everything() {
+    let stage = Stage::new("ring", [16, 16]);
+    let perturbations = Perturbations::NONE;
+    agrees(&stage, &Settings { stratification: Stratification::Grid(2, 2), perturbations, ..base() });
 }
 
 #[test]

@@ -29,7 +29,7 @@ pub struct BenchOptions {
     #[arg(long, conflicts_with_all = ["methods", "references", "reference_time"])]
     pub paper: bool,
 
-    /// What to compare: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render', with + for the commas of strata
+    /// What to compare: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render', with + for commas inside it
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "auto,mlt:none,mlt:4x4,bdpt,pt")]
     pub methods: Vec<Variant>,
     /// Independent renders of each method and budget, with the seeds 1, 2, …

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 pub mod bench;
+pub mod perturbations;
 pub mod render;
 pub mod values;
 pub mod verify;

@@ -4,6 +4,7 @@ use std::{ffi::OsStr, num::NonZeroUsize, path::PathBuf, time::Duration};
 
 use clap::{ArgGroup, Args, ValueEnum};
 
+use super::perturbations::PerturbationList;
 use super::values::{Size, Strata, angle, duration, exposure, per_pixel, point, relative_error, threads};
 use crate::{
     Failure,
@@ -108,8 +109,8 @@ pub struct RenderOptions {
     #[arg(short, long = "output", value_name = "FILE")]
     pub outputs: Vec<OutputFile>,
 
-    /// How light transport is computed; if not given, mlt if an option asks for mutations, strata, weights, a variant or an
-    /// importance, else auto
+    /// How light transport is computed; if not given, mlt if an option asks for mutations, strata, weights, a variant,
+    /// perturbations or an importance, else auto
     #[arg(long, value_enum, help_heading = "Method")]
     pub method: Option<Method>,
     /// Cut lights into strata: 'none', 'auto' (found by a pilot), a number of strata, or columns and rows of cells per
@@ -126,6 +127,10 @@ pub struct RenderOptions {
     /// What strata restrict
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub variant: Variant,
+    /// What goes with the bidirectional mutation in mlt: 'all' that the scene has use for, 'none', or some of lens, multi-chain and
+    /// caustic, with commas between them
+    #[arg(long, value_name = "all|none|LIST", default_value_t, help_heading = "Method")]
+    pub perturbations: PerturbationList,
     /// What chains sample in proportion to
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub importance: Importance,
@@ -196,8 +201,13 @@ impl RenderOptions {
     pub fn method(&self) -> Method {
         let mutations = self.mutations_per_pixel.is_some() || self.variant != Variant::default();
         let strata = self.strata != Strata::default() || self.weights != Weights::default();
+        let perturbations = self.perturbations != PerturbationList::default();
         let importance = self.importance != Importance::default();
-        self.method.unwrap_or(if mutations || strata || importance { Method::Mlt } else { Method::Auto })
+        self.method.unwrap_or(if mutations || strata || perturbations || importance {
+            Method::Mlt
+        } else {
+            Method::Auto
+        })
     }
 
     /// The budget that was asked for; at most one can be.
@@ -278,7 +288,13 @@ mod tests {
     #[test]
     fn options_of_chains_choose_metropolis() {
         let chosen = |line: &str| parse(line).expect("valid").method();
-        for line in ["--strata 4x4", "--mutations-per-pixel 8", "--weights adaptive", "--importance relative"] {
+        for line in [
+            "--strata 4x4",
+            "--mutations-per-pixel 8",
+            "--weights adaptive",
+            "--perturbations none",
+            "--importance relative",
+        ] {
             assert_eq!(chosen(line), Method::Mlt, "{line}");
             assert_eq!(chosen(&format!("{line} --method mmlt")), Method::Mmlt);
         }
@@ -331,6 +347,7 @@ mod tests {
             ("--method photon", "[possible values: auto, mlt, bdpt, pt, pssmlt, mmlt]"),
             ("--size 0x4", "between 1 and 65536"),
             ("--strata 3x", "as in 4x4"),
+            ("--perturbations big", "some of lens"),
             ("--weights equal", "[possible values: power, adaptive]"),
             ("--rounds-pilot 1", "2..=64"),
             ("--time 30", "as in 30s"),

@@ -34,6 +34,7 @@ pub fn settings(options: &RenderOptions, per_pixel: f64) -> Settings {
             render::Variant::Stratified => Variant::Stratified,
             render::Variant::MutationOnly => Variant::MutationOnly,
         },
+        perturbations: options.perturbations.0,
         target: match options.importance {
             render::Importance::Luminance => Target::Luminance,
             render::Importance::Relative => Target::Relative,

@@ -32,6 +32,7 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
         weights: value_name(options.weights),
         rounds_pilot: options.rounds_pilot,
         variant: value_name(options.variant),
+        perturbations: options.perturbations.to_string(),
         importance: value_name(options.importance),
         width,
         height,

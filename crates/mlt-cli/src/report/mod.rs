@@ -28,6 +28,8 @@ pub struct Report {
     pub rounds_pilot: u64,
     /// `stratified` or `mutation-only`.
     pub variant: String,
+    /// What goes with the bidirectional mutation: `all`, `none` or names with commas.
+    pub perturbations: String,
     /// What chains sample in proportion to.
     pub importance: String,
     /// Pixels in a row.
@@ -243,6 +245,7 @@ mod tests {
             weights: "adaptive".into(),
             rounds_pilot: 4,
             variant: "stratified".into(),
+            perturbations: "all".into(),
             importance: "luminance".into(),
             width: 64,
             height: 48,
@@ -293,6 +296,7 @@ mod tests {
             "weights",
             "rounds_pilot",
             "variant",
+            "perturbations",
             "seed",
             "threads",
             "rounds",

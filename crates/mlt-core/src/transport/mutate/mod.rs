@@ -31,18 +31,46 @@ pub enum PathMutation<'a> {
     MultiChain(MultiChainPerturbation<'a>),
 }
 
+/// The perturbations that go with the bidirectional mutation. It goes alone if need be: it reaches every path by itself, and they
+/// do not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Perturbations {
+    /// [`LensPerturbation`].
+    pub lens: bool,
+    /// [`MultiChainPerturbation`].
+    pub multi_chain: bool,
+    /// [`CausticPerturbation`].
+    pub caustic: bool,
+}
+
+impl Perturbations {
+    /// None of them.
+    pub const NONE: Self = Self { lens: false, multi_chain: false, caustic: false };
+    /// All of them.
+    pub const ALL: Self = Self { lens: true, multi_chain: true, caustic: true };
+}
+
+impl Default for Perturbations {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
 impl<'a> PathMutation<'a> {
-    /// All that apply to a view; that for caustics only where a surface is specular.
+    /// All that apply to a view.
     pub fn all(view: View<'a>) -> Vec<Self> {
-        let mut all = vec![
-            Self::Bidirectional(BidirectionalMutation { view }),
-            Self::Lens(LensPerturbation::new(view)),
-            Self::MultiChain(MultiChainPerturbation::new(view)),
-        ];
-        if view.scene.has_specular() {
-            all.push(Self::Caustic(CausticPerturbation { view }));
-        }
-        all
+        Self::with(Perturbations::ALL, view)
+    }
+
+    /// The bidirectional mutation and those of the perturbations that apply to a view; that for caustics only where a surface is
+    /// specular.
+    pub fn with(perturbations: Perturbations, view: View<'a>) -> Vec<Self> {
+        let Perturbations { lens, multi_chain, caustic } = perturbations;
+        let mut chosen = vec![Self::Bidirectional(BidirectionalMutation { view })];
+        chosen.extend(lens.then(|| Self::Lens(LensPerturbation::new(view))));
+        chosen.extend(multi_chain.then(|| Self::MultiChain(MultiChainPerturbation::new(view))));
+        chosen.extend((caustic && view.scene.has_specular()).then_some(Self::Caustic(CausticPerturbation { view })));
+        chosen
     }
 }
 

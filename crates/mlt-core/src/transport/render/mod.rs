@@ -145,7 +145,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             measure: &|strata, shares, rounds| {
                 let strata = LightStratum::product(strata, view, max_edges, classes);
                 let size = self.view.camera.size();
-                let mixture = Mixture::new(PathMutation::all(self.view));
+                let mixture = self.mutations();
                 let estimator = self.estimator(&strata, shares, &mixture);
                 let found = estimator.pilot(self.view.camera.pixels(), rounds, &|image| error_weights(image, size));
                 (found.measures, found.tally)
@@ -169,6 +169,10 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             Variant::Stratified => LightStratum::product(strata, view, max_edges, self.settings.classes),
             Variant::MutationOnly => vec![LightStratum::mutation_only(strata, &self.whole, view, max_edges)],
         }
+    }
+
+    fn mutations<'s>(&self) -> Mixture<LightPath, LightStratum<'s>, PathMutation<'a>> {
+        Mixture::new(PathMutation::with(self.settings.perturbations, self.view))
     }
 
     fn estimator<'s>(
@@ -201,7 +205,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             Method::Auto => self.plan.as_ref().map_or(Outcome::Complete, |plan| self.follow(plan, run)),
             Method::Metropolis => {
                 let strata = self.path_strata(&self.strata);
-                let mixture = Mixture::new(PathMutation::all(view));
+                let mixture = self.mutations();
                 self.metropolis(&self.estimator(&strata, &self.shares, &mixture), run)
             }
             Method::PrimaryBidirectional => {

@@ -3,6 +3,7 @@
 use super::super::adapt::Adaptation;
 use super::super::classes::Classes;
 use super::super::importance::Target;
+use super::super::mutate::Perturbations;
 use super::super::strata::Stratification;
 use super::super::stratum::Variant;
 
@@ -37,6 +38,8 @@ pub struct Settings {
     pub adaptation: Adaptation,
     /// What strata restrict.
     pub variant: Variant,
+    /// What goes with the bidirectional mutation in [`Method::Metropolis`].
+    pub perturbations: Perturbations,
     /// What chains sample in proportion to.
     pub target: Target,
     /// Most edges of a path; `None`: no limit.
