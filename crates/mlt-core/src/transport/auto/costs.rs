@@ -64,7 +64,8 @@ pub(super) struct Findings<'a> {
     pub(super) measured: &'a [Measured; 2],
     /// Of squared errors, pixel by pixel.
     pub(super) weights: &'a [f64],
-    /// Second moments that both have not met, part by part: see [`Tails`](super::tails::Tails).
+    /// Second moments that both have not met, part by part: see [`Tails`](super::tails::Tails). None of lamps in view: none is rarer
+    /// than it is small, and the rays that meet it are well spread.
     pub(super) tails: Vec<[f64; 2]>,
 }
 
@@ -87,12 +88,7 @@ impl Findings<'_> {
         let certain = found.iter().map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
         let most = candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
         let kinds = parts.group(part);
-        let seen = kinds.is_within(Kinds::SEEN);
-        let met = |method: usize| {
-            // No lamp in view is rarer than it is small, and the rays that meet it are well spread.
-            let tail = if seen { 0.0 } else { tails[part][method] };
-            measured[method].error(part, weights) + tail
-        };
+        let met = |method: usize| measured[method].error(part, weights) + tails[part][method];
         let error = |method: usize| {
             let (m, [energy, _]) = (&measured[method], found[method]);
             // What N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
@@ -111,7 +107,7 @@ impl Findings<'_> {
         let chains = match chains.chain_error {
             // A few rounds do not tell which of the lamps in view, or of their images, chains have not found, and camera
             // rays find them all.
-            _ if seen => f64::INFINITY,
+            _ if kinds.is_within(Kinds::SEEN) => f64::INFINITY,
             Some(error) => side(error, chains.mutation_cost) + side(chains.sample_error, chains.sample_cost),
             // Chains that found no light where samples did are no use.
             None if found.iter().any(|[energy, _]| *energy > 0.0) => f64::INFINITY,

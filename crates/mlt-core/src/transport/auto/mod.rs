@@ -100,8 +100,8 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let weights = weights(&measured, camera.size());
         let part =
             |i: usize| LightStratum::of_part(&strata, i / parts.groups.len(), parts.group(i), view, self.max_edges);
-        let path_space: Vec<_> = (0..parts.len()).map(part).collect();
-        let (tails, sought) = self.tails(view, &path_space, &measured, &weights);
+        let path_space: Vec<_> = parts.open_to_chains().into_iter().map(part).collect();
+        let (tails, sought) = self.tails(view, &parts, &path_space, &measured, &weights);
         let findings =
             Findings { parts: &parts, candidates: &candidates, measured: &measured, weights: &weights, tails };
         let work: Vec<_> = candidates.iter().map(|candidate| candidate.work).collect();
@@ -190,23 +190,26 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
 
     /// Mutations of each part's chains in a round of the pilot.
     fn mutations(&self, pixels: u32, parts: usize) -> u64 {
-        ((MUTATIONS * f64::from(pixels) / parts as f64) as u64).max(LEAST_CHAIN)
+        ((MUTATIONS * f64::from(pixels) / parts.max(1) as f64) as u64).max(LEAST_CHAIN)
     }
 
     /// What independent samples have missed, in each part.
     fn tails(
         &self,
         view: View,
+        parts: &Parts,
         strata: &[LightStratum],
         measured: &[Measured; 2],
         weights: &[f64],
     ) -> (Vec<[f64; 2]>, PilotCounts) {
         let largest = |part: usize| measured.each_ref().map(|m| m.largest[part]);
-        let largest: Vec<_> = (0..strata.len()).map(largest).collect();
+        let largest: Vec<_> = parts.open_to_chains().into_iter().map(largest).collect();
         let (importance, next_event, seed) = (self.importance, self.next_event, self.seed);
         let power = LightRegion::whole(view.scene.lights()).power();
         let mutations = ROUNDS * self.mutations(view.camera.pixels(), strata.len());
-        Tails { view, importance, next_event, seed, weights, power }.measure(strata, &largest, mutations)
+        let tails = Tails { view, importance, next_event, seed, weights, power };
+        let (found, spent) = tails.measure(strata, &largest, mutations);
+        (parts.of_all(found), spent)
     }
 
     /// What chains find in each part.
@@ -224,7 +227,9 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
             let chain_error = measure.chain_error.map(|error| error.max(missed));
             per_pixel(Measure { chain_error, ..measure }, pixels, self.view.camera.pixels())
         };
-        (measures.into_iter().zip(images).enumerate().map(of_image).collect(), tally)
+        let open = findings.parts.open_to_chains();
+        let found = open.into_iter().zip(measures.into_iter().zip(images)).map(of_image).collect();
+        (findings.parts.of_all(found), tally)
     }
 }
 

@@ -53,6 +53,18 @@ impl<'a> Parts<'a> {
         self.groups[part % self.groups.len()]
     }
 
+    /// The parts that may be left to chains: all but what camera rays meet by themselves.
+    pub(super) fn open_to_chains(&self) -> Vec<usize> {
+        (0..self.len()).filter(|&part| !self.group(part).is_within(Kinds::SEEN)).collect()
+    }
+
+    /// One value for each part: what was found of those that may be left to chains, in their order, and nothing of the others.
+    pub(super) fn of_all<T: Clone + Default>(&self, found: Vec<T>) -> Vec<T> {
+        let mut all = vec![T::default(); self.len()];
+        self.open_to_chains().into_iter().zip(found).for_each(|(part, value)| all[part] = value);
+        all
+    }
+
     /// Which part a path belongs to.
     pub(super) fn index(&self, end: &PathEnd) -> usize {
         let stratum = self.stratum(end);
