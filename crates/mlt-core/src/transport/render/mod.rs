@@ -52,8 +52,10 @@ pub struct Renderer<'a, I = PixelImportance> {
     plan: Option<Plan>,
 }
 
-/// Probability of a large step in primary sample space.
-const LARGE_STEPS: f64 = 0.3;
+/// Probability of a large step over the numbers of bidirectional samples.
+const BIDIRECTIONAL_LARGE_STEPS: f64 = 0.3;
+/// The same over those of single paths: a fresh one is seldom worth as much as a sample of all techniques.
+const MULTIPLEXED_LARGE_STEPS: f64 = 0.1;
 /// Samples a pixel of the image that a relative importance is made from.
 const SAMPLES_OF_LEVEL: f64 = 4.0;
 
@@ -210,12 +212,12 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             }
             Method::PrimaryBidirectional => {
                 let strata = self.part().all(|part| AllConnections { part });
-                self.primary(&strata, BIDIRECTIONAL_MUTATIONS_A_SAMPLE, run)
+                self.primary(&strata, BIDIRECTIONAL_LARGE_STEPS, BIDIRECTIONAL_MUTATIONS_A_SAMPLE, run)
             }
             Method::Multiplexed => {
                 let techniques = Techniques::new(max_edges);
                 let strata = self.part().all(|part| Multiplexed { part, techniques: &techniques });
-                self.primary(&strata, MULTIPLEXED_MUTATIONS_A_SAMPLE, run)
+                self.primary(&strata, MULTIPLEXED_LARGE_STEPS, MULTIPLEXED_MUTATIONS_A_SAMPLE, run)
             }
             Method::Bidirectional => self.evenly(&Bidirectional { view, region: &self.whole, max_edges }, run),
             Method::Path => {
@@ -241,7 +243,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     }
 
     /// Metropolis in primary sample space, with shares by power.
-    fn primary<P, S>(&self, strata: &[S], usual: u64, run: Run) -> Outcome
+    fn primary<P, S>(&self, strata: &[S], large_steps: f64, usual: u64, run: Run) -> Outcome
     where
         P: Path<Splat = Splat<3>> + Send,
         S: Stratum<P> + Sync,
@@ -250,7 +252,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     {
         let mutations = self.settings.per_pixel * f64::from(self.view.camera.pixels());
         let shares = shares_by_power(strata, mutations, mutations_a_sample(self.view, usual));
-        let mixture = Mixture::new(PrimaryMutation::both(LARGE_STEPS));
+        let mixture = Mixture::new(PrimaryMutation::both(large_steps));
         let (seed, work) = (self.settings.seed, rays_traced);
         let importance = &PrimaryImportance;
         self.metropolis(&Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work }, run)
