@@ -308,6 +308,19 @@ fn a_scene_that_cannot_be_rendered_is_a_failed_run() {
     }
 }
 
+/// What was left out may be why there is nothing to render.
+#[test]
+fn what_was_left_out_is_said_of_a_scene_that_cannot_be_rendered() {
+    let folder = with_obj();
+    let dark = OBJ.replace("usemtl light", "usemtl floor") + "p 1\n";
+    fs::write(folder.path().join("dark.obj"), dark).expect("written");
+    let output = command(folder.path(), "dark.obj").output().expect("mlt starts");
+    let lines: Vec<_> = text(&output.stderr).lines().map(str::to_owned).collect();
+    assert_eq!((output.status.code(), lines.len()), (Some(1), 2), "{lines:?}");
+    assert!(lines[0].starts_with("warning: ") && lines[0].contains("points and lines"), "{lines:?}");
+    assert!(lines[1].starts_with("error: ") && lines[1].contains("no light"), "{lines:?}");
+}
+
 #[cfg(unix)]
 mod unix {
     use std::{

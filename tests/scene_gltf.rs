@@ -182,12 +182,12 @@ fn what_is_left_out_is_named() {
         .with("/textures", json!([{ "source": 0 }]))
         .with("/materials/0/pbrMetallicRoughness", json!({ "baseColorTexture": { "index": 0 } }))
         .with("/materials/0/alphaMode", "BLEND".into());
-    warning(&with_texture, "`paint`: baseColorTexture, alphaMode BLEND");
+    warning(&with_texture, "`paint`: not supported and left out: baseColorTexture, alphaMode BLEND");
     let coat = json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 1 },
                        "KHR_materials_volume": { "attenuationDistance": 1, "attenuationColor": [1, 0, 0] } });
     let coated = Document::new().with("/materials/0/extensions", coat);
     let coated = coated.with("/extensionsUsed", json!(["KHR_materials_clearcoat", "EXT_mesh_gpu_instancing"]));
-    warning(&coated, "`paint`: attenuation in the volume, KHR_materials_clearcoat");
+    warning(&coated, "left out: attenuation in the volume, KHR_materials_clearcoat");
     warning(&coated, "extension EXT_mesh_gpu_instancing");
 
     let lit = Document::new()
@@ -200,7 +200,27 @@ fn what_is_left_out_is_named() {
         .with("/animations", json!([{ "channels": [], "samplers": [] }]));
     warning(&lit, "light `bulb`, the skin, morph targets, vertex colours");
     warning(&lit, "animations");
-    warning(&Document::new().with("/materials/0/emissiveFactor", json!([-1, 0, 0])), "emission is -1");
+    warning(
+        &Document::new().with("/materials/0/emissiveFactor", json!([-1, 0, -2])),
+        "emission is [-1, 0, -2]; [0, 0, 0]",
+    );
+}
+
+#[test]
+fn glass_that_is_not_as_its_author_may_mean_it_is_named() {
+    let glass = |volume: Value, specular: Value| {
+        let extensions = json!({ "KHR_materials_transmission": { "transmissionFactor": 1 },
+                                 "KHR_materials_volume": volume, "KHR_materials_specular": specular });
+        Document::new().with("/materials/0/extensions", extensions)
+    };
+    warning(&glass(json!({}), json!({})), "`paint`: a volume of thickness 0 is taken for a solid");
+    warning(&glass(json!({ "thicknessFactor": 1 }), json!({ "specularFactor": 0.5 })), "KHR_materials_specular");
+    assert!(glass(json!({ "thicknessFactor": 1 }), json!({})).loaded().warnings.is_empty());
+}
+
+#[test]
+fn scenes_need_no_nodes() {
+    only_mesh(&Document::new().with("/scenes/-", json!({ "name": "nothing in it" })));
 }
 
 #[test]
@@ -336,8 +356,8 @@ fn glass_is_solid_with_a_volume_and_thin_without() {
     let clear = json!({ "transmissionFactor": 1 });
     let thin = glass(json!({ "KHR_materials_transmission": clear }));
     assert!(matches!(thin, Bsdf::Thin(_)));
-    let solid =
-        json!({ "KHR_materials_transmission": clear, "KHR_materials_volume": {}, "KHR_materials_ior": { "ior": 1.7 } });
+    let solid = json!({ "KHR_materials_transmission": clear, "KHR_materials_volume": { "thicknessFactor": 1 },
+                "KHR_materials_ior": { "ior": 1.7 } });
     assert!(matches!(glass(solid), Bsdf::Dielectric(d) if d.ior == 1.7));
     let mirror = Document::new().with("/materials/0/pbrMetallicRoughness", json!({ "roughnessFactor": 0 })).loaded();
     assert!(matches!(mirror.description.materials[0].bsdf, Bsdf::Mirror(_)));

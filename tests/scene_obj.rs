@@ -123,8 +123,8 @@ fn materials_warn_about_what_they_cannot_say() {
     assert_eq!(
         loaded.warnings,
         [
-            "material `m`: Kd is 2; 1 is taken instead",
-            "material `m`: map_Kd, map_Ke, norm are not supported and left out"
+            "material `m`: Kd is [2, 0, 0]; [1, 0, 0] is taken instead",
+            "material `m`: not supported and left out: map_Kd, map_Ke, norm"
         ]
     );
     let grey = load_with("f 1 2 3", "newmtl m\nKd 0.25").unwrap();

@@ -17,12 +17,12 @@ pub enum SceneError {
         name: String,
     },
     /// The operating system refused.
-    #[error("{path}: cannot be read ({source}); check that it exists and may be read")]
+    #[error("{path}: cannot be read ({cause}); check that it exists and may be read")]
     Read {
         /// The file.
         path: PathBuf,
         /// What the operating system said.
-        source: io::Error,
+        cause: io::Error,
     },
     /// A folder, a device or a pipe.
     #[error("{path}: not a regular file; name a file and no folder or device")]

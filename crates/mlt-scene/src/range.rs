@@ -1,6 +1,7 @@
 //! Material parameters brought into their ranges.
 
 use mlt_core::transport::Rgb;
+use std::fmt::Display;
 
 /// Moves a material's parameters into their ranges, with a warning for each that was outside.
 pub(crate) struct Range<'a> {
@@ -13,16 +14,27 @@ pub(crate) struct Range<'a> {
 impl Range<'_> {
     /// `value` in [least, most]; what is not a number becomes the least.
     pub fn number(&mut self, what: &str, value: f32, [least, most]: [f32; 2]) -> f32 {
-        let taken = if value.is_nan() { least } else { value.clamp(least, most) };
+        let taken = limited(value, least, most);
         if taken != value {
-            let name = self.material;
-            self.warnings.push(format!("material `{name}`: {what} is {value}; {taken} is taken instead"));
+            self.warn(what, value, taken);
         }
         taken
     }
 
     /// Each component in [0, most].
     pub fn colour(&mut self, what: &str, value: Rgb, most: f32) -> Rgb {
-        Rgb::from_array(value.to_array().map(|c| self.number(what, c, [0.0, most])))
+        let taken = Rgb::from_array(value.to_array().map(|c| limited(c, 0.0, most)));
+        if taken != value {
+            self.warn(what, value, taken);
+        }
+        taken
     }
+
+    fn warn(&mut self, what: &str, value: impl Display, taken: impl Display) {
+        self.warnings.push(format!("material `{}`: {what} is {value}; {taken} is taken instead", self.material));
+    }
+}
+
+fn limited(value: f32, least: f32, most: f32) -> f32 {
+    if value.is_nan() { least } else { value.clamp(least, most) }
 }

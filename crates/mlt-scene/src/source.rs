@@ -51,7 +51,7 @@ impl Source {
         }
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let path = folder.join(&name);
-        let real = |p: &Path| p.canonicalize().map_err(|source| SceneError::Read { path: p.to_owned(), source });
+        let real = |p: &Path| p.canonicalize().map_err(|cause| SceneError::Read { path: p.to_owned(), cause });
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         if !real(&path)?.starts_with(real(folder)?) {
             return Err(outside());
@@ -97,7 +97,7 @@ fn leaves_folder(path: &Path) -> bool {
 }
 
 fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
-    let failed = |source| SceneError::Read { path: path.to_owned(), source };
+    let failed = |cause| SceneError::Read { path: path.to_owned(), cause };
     let metadata = fs::metadata(path).map_err(failed)?;
     if !metadata.is_file() {
         return Err(SceneError::NotAFile { path: path.to_owned() });

@@ -8,7 +8,7 @@ use mlt_core::transport::{
     scene::Scene,
 };
 
-use crate::{Failure, args::render::RenderOptions, require_memory};
+use crate::{Failure, args::render::RenderOptions, require_memory, warn};
 
 /// Side of an image whose size is not given, pixels.
 const USUAL_SIDE: f64 = 512.0;
@@ -42,7 +42,10 @@ impl Setup {
         let size = size(options, &pose);
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         require_memory(pixels * BYTES_PER_PIXEL, &format!("an image of {}x{}", size[0], size[1]))?;
-        let scene = Scene::new(loaded.description).with_context(|| name.clone())?;
+        let scene = Scene::new(loaded.description).with_context(|| name.clone()).inspect_err(|_| {
+            // What was left out may be why.
+            loaded.warnings.iter().for_each(|warning| warn(warning));
+        })?;
         let camera = scene.camera(&pose, size);
         let mut warnings = loaded.warnings;
         if scene.dropped() > 0 {

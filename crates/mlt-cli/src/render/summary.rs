@@ -120,7 +120,8 @@ fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
         (2..TRUSTED_ROUNDS).contains(&rounds),
         format!("the error is estimated from {rounds} rounds only; take {TRUSTED_ROUNDS} or more to trust it"),
     );
-    warn(strata > 0, format!("{strata} strata have a b that is uncertain by more than 5 %; take more mutations"));
+    let who = if strata == 1 { "a stratum has".to_owned() } else { format!("{strata} strata have") };
+    warn(strata > 0, format!("{who} a b that is uncertain by more than 5 %; take more mutations"));
     warn(longest > STUCK, format!("a chain was stuck for {longest} mutations; the image may have bright spots"));
     warn(dark, "the image is black: no path from a light to the camera was found".into());
     warnings

@@ -10,7 +10,9 @@ use std::f32::consts::PI;
 pub(super) fn pose(camera: &Camera, node: &Node, to_world: &DMat4, warnings: &mut Vec<String>) -> Option<CameraPose> {
     let place = place(node);
     let Projection::Perspective(lens) = camera.projection() else {
-        warnings.push(format!("{place}: orthographic cameras are not supported; this one is left out"));
+        warnings.push(format!(
+            "{place}: orthographic cameras are not supported; this one is left out, and the view is another"
+        ));
         return None;
     };
     let position = to_world.transform_point3(DVec3::ZERO);
@@ -19,7 +21,9 @@ pub(super) fn pose(camera: &Camera, node: &Node, to_world: &DMat4, warnings: &mu
     let up = (up - up.dot(forward) * forward).normalize_or_zero();
     let stands = position.is_finite() && forward != DVec3::ZERO && up != DVec3::ZERO;
     if !(stands && lens.yfov() > 0.0 && lens.yfov() < PI) {
-        warnings.push(format!("{place}: the camera's transform or field of view is degenerate; it is left out"));
+        warnings.push(format!(
+            "{place}: the camera's transform or field of view is degenerate; it is left out, and the view is another"
+        ));
         return None;
     }
     if to_world.determinant() < 0.0 {

@@ -13,6 +13,7 @@ pub(super) fn materials(document: &Document, used: &BTreeSet<usize>, warnings: &
         let mut unheard = Vec::new();
         let heard = if used.contains(&index) { &mut *warnings } else { &mut unheard };
         heard.extend(unsupported::in_material(&source));
+        heard.extend(unsupported::in_volume(&source));
         materials.push(material(index, &source, heard));
     }
     if used.contains(&materials.len()) {
@@ -31,7 +32,8 @@ fn material(index: usize, source: &gltf::Material, warnings: &mut Vec<String>) -
     Material { name, bsdf, emission, emits_both_sides: source.double_sided() }
 }
 
-/// A surface with KHR_materials_volume bounds a solid, whatever thickness its author gave for rasterisers.
+/// A surface with KHR_materials_volume bounds a solid, whatever thickness its author gave for rasterisers;
+/// [`unsupported`](super::unsupported) says so of a thickness of 0.
 fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
     const SHARE: [f32; 2] = [0.0, 1.0];
     let pbr = source.pbr_metallic_roughness();

@@ -23,7 +23,7 @@ pub(super) fn material(source: &tobj::Material, warnings: &mut Vec<String>) -> M
     let bsdf = parameters(source, &mut range).bsdf();
     let textures = textures(source);
     if !textures.is_empty() {
-        warnings.push(format!("material `{name}`: {} are not supported and left out", textures.join(", ")));
+        warnings.push(format!("material `{name}`: not supported and left out: {}", textures.join(", ")));
     }
     Material { name, bsdf, emission, emits_both_sides: false }
 }

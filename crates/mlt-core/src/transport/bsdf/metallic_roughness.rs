@@ -33,7 +33,7 @@ pub struct MetallicRoughness {
     pub specular_color: Rgb,
     /// transmissionFactor ∈ [0, 1].
     pub transmission: f32,
-    /// A wall without volume behind it (no KHR_materials_volume, or a thickness of 0).
+    /// A wall without volume behind it (no KHR_materials_volume).
     pub thin: bool,
 }
 
