@@ -54,8 +54,6 @@ pub struct Renderer<'a, I = PixelImportance> {
 
 /// Probability of a large step over the numbers of bidirectional samples.
 const BIDIRECTIONAL_LARGE_STEPS: f64 = 0.3;
-/// The same over those of single paths: a fresh one is seldom worth as much as a sample of all techniques.
-const MULTIPLEXED_LARGE_STEPS: f64 = 0.1;
 /// Samples a pixel of the image that a relative importance is made from.
 const SAMPLES_OF_LEVEL: f64 = 4.0;
 
@@ -217,7 +215,12 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             Method::Multiplexed => {
                 let techniques = Techniques::new(max_edges);
                 let strata = self.part().all(|part| Multiplexed { part, techniques: &techniques });
-                self.primary(&strata, MULTIPLEXED_LARGE_STEPS, MULTIPLEXED_MUTATIONS_A_SAMPLE, run)
+                self.primary(
+                    &strata,
+                    multiplexed_large_steps(view.camera.pixels()),
+                    MULTIPLEXED_MUTATIONS_A_SAMPLE,
+                    run,
+                )
             }
             Method::Bidirectional => self.evenly(&Bidirectional { view, region: &self.whole, max_edges }, run),
             Method::Path => {
@@ -278,6 +281,13 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let Settings { per_pixel, seed, .. } = self.settings;
         independent(&Independent { sampler, selection: AllPaths, samples_per_pixel: per_pixel, seed }, run)
     }
+}
+
+/// Probability of a large step over the numbers of single paths, on an image of so many pixels: a fresh path is seldom worth
+/// as much as a sample of all techniques, but small steps are up to a 64th of the image, which on a small one is within the
+/// pixel.
+fn multiplexed_large_steps(pixels: u32) -> f64 {
+    (25.0 / f64::from(pixels).sqrt()).clamp(0.1, 0.3)
 }
 
 fn independent<T: ImageSampler>(estimator: &Independent<T>, run: Run) -> Outcome {
