@@ -65,7 +65,7 @@ pub struct Deposits<const C: usize> {
 
 impl<const C: usize> Deposits<C> {
     /// No deposits, for a film of `sites` sites cut into bands of 2^`shift`.
-    pub(super) fn new(sites: u32, shift: u32) -> Self {
+    pub(crate) fn new(sites: u32, shift: u32) -> Self {
         let bands = (sites as usize).div_ceil(1 << shift).max(1);
         Self { bands: vec![Vec::new(); bands], sites, shift, lost: Lost::default() }
     }
@@ -89,7 +89,7 @@ impl<const C: usize> Deposits<C> {
         list
     }
 
-    pub(super) fn band(&self, band: usize) -> &[Deposit<C>] {
+    pub(crate) fn band(&self, band: usize) -> &[Deposit<C>] {
         &self.bands[band]
     }
 

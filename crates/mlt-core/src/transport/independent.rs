@@ -1,6 +1,7 @@
 //! Independent samples of the image, in rounds: path tracing and bidirectional path tracing as estimators.
 
 use super::bdpt::Bidirectional;
+use super::instructions::{InstructionSet, Work};
 use super::kind::PathEnd;
 use super::low_discrepancy::OwenSobol;
 use super::pt::PathTracer;
@@ -8,6 +9,7 @@ use super::scene::rays_traced;
 use crate::engine::{Deposits, Estimator, Purpose, Sink, Splat, generator, uniform_f32};
 use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;
+use std::ops::Range;
 
 /// Pixel samples of one task.
 const TASK_SAMPLES: u64 = 1 << 13;
@@ -28,6 +30,7 @@ impl ImageSampler for PathTracer<'_> {
         self.view.camera.size()
     }
 
+    #[inline(always)]
     fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
         if self.view.camera.has_tiny_lights() {
             self.see_light(rng, visit);
@@ -102,14 +105,16 @@ impl<T: ImageSampler, S: Selection> Independent<'_, T, S> {
     }
 
     /// Takes a pixel's samples of a round: the first points of one Owen-scrambled Sobol sequence.
-    fn sample_pixel(&self, round: u64, pixel: u64, deposits: &mut Deposits<3>) {
+    #[inline(always)]
+    fn sample_pixel(&self, round: u64, pixel: u64, rng: &mut OwenSobol, deposits: &mut Deposits<3>) {
         let samples = self.samples(round);
         let seed = generator(self.seed, Purpose::Image, round, 0, pixel).next_u64();
         let size = self.sampler.size();
         let weight = 1.0 / samples as f64;
         let mut here = DVec3::ZERO;
+        rng.restart(seed);
         for index in 0..samples {
-            let rng = &mut OwenSobol::new(seed, index);
+            rng.go_to(index);
             let image = point_in_pixel(pixel, size, rng);
             self.sampler.sample(image, rng, &mut |elsewhere, value, end| match elsewhere {
                 _ if !self.selection.contains(&end) => {}
@@ -119,6 +124,26 @@ impl<T: ImageSampler, S: Selection> Independent<'_, T, S> {
         }
         if here != DVec3::ZERO {
             deposits.deposit(Splat { site: pixel as u32, value: here.to_array() }, weight);
+        }
+    }
+}
+
+/// The samples of some pixels in a round.
+struct Pixels<'a, T, S> {
+    of: &'a Independent<'a, T, S>,
+    round: u64,
+    pixels: Range<u64>,
+    deposits: &'a mut Deposits<3>,
+}
+
+impl<T: ImageSampler, S: Selection> Work for Pixels<'_, T, S> {
+    type Outcome = ();
+
+    #[inline(always)]
+    fn perform(self) {
+        let mut rng = OwenSobol::new(0);
+        for pixel in self.pixels {
+            self.of.sample_pixel(self.round, pixel, &mut rng, self.deposits);
         }
     }
 }
@@ -150,7 +175,7 @@ impl<T: ImageSampler, S: Selection> Estimator<3> for Independent<'_, T, S> {
         let before = rays_traced();
         let first = task as u64 * self.pixels_per_task();
         let last = (first + self.pixels_per_task()).min(self.pixels());
-        (first..last).for_each(|pixel| self.sample_pixel(*round, pixel, deposits));
+        InstructionSet::detect().perform(Pixels { of: self, round: *round, pixels: first..last, deposits });
         SampleTally { samples: (last - first) * self.samples(*round), rays: rays_traced() - before }
     }
 
@@ -161,5 +186,37 @@ impl<T: ImageSampler, S: Selection> Estimator<3> for Independent<'_, T, S> {
     fn tally(&self, total: &mut SampleTally, _: &u64, tasks: Vec<SampleTally>) {
         total.samples += tasks.iter().map(|t| t.samples).sum::<u64>();
         total.rays += tasks.iter().map(|t| t.rays).sum::<u64>();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::next_event::NextEvent;
+    use super::super::region::LightRegion;
+    use super::super::testing::worlds;
+    use super::*;
+
+    /// What a task leaves with the instructions that the processor has, and with those that all have.
+    fn both<T: ImageSampler>(sampler: &T) -> [Deposits<3>; 2] {
+        let of = &Independent { sampler, selection: AllPaths, samples_per_pixel: 9.0, seed: 5 };
+        let mut deposits = [(); 2].map(|()| Deposits::new(of.pixels() as u32, 31));
+        let [best, portable] = deposits.each_mut().map(|deposits| Pixels { of, round: 2, pixels: 0..50, deposits });
+        InstructionSet::detect().perform(best);
+        portable.perform();
+        deposits
+    }
+
+    #[test]
+    fn instructions_change_no_bit() {
+        for (name, world) in worlds() {
+            let (view, lights) = (world.view(), world.scene.lights());
+            let (next_event, region) = (&NextEvent::new(lights), &LightRegion::whole(lights));
+            let paths = PathTracer { view, next_event, max_edges: 12, max_image_edges: 12, branches: 2 };
+            let connected = Bidirectional { view, region, max_edges: 12 };
+            for [best, portable] in [both(&paths), both(&connected)] {
+                assert!(!portable.band(0).is_empty(), "{name}");
+                assert_eq!(best.band(0), portable.band(0), "{name}");
+            }
+        }
     }
 }

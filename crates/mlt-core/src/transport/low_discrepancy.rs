@@ -1,10 +1,18 @@
 //! Well-stratified random numbers for independent sampling.
 
+use super::instructions::{InstructionSet, Work};
 use rand_pcg::rand_core::TryRng;
-use std::array;
 use std::convert::Infallible;
 
-/// The coordinates of one point of an Owen-scrambled Sobol sequence, as a stream of numbers.
+/// Points whose coordinates are made at once.
+const POINTS: usize = 8;
+/// Sets of coordinates that are made at once.
+const SETS: usize = 4;
+
+/// A coordinate of each of the points that are made at once.
+type Coordinates = [u32; POINTS];
+
+/// An Owen-scrambled Sobol sequence, and a stream of the coordinates of one of its points.
 ///
 /// Each number drawn, of 32 or of 64 bits, is the next coordinate. Coordinates come in sets of four, each set from the
 /// four-dimensional Sobol sequence, shuffled and scrambled by itself. Each coordinate is stratified by itself, the first two of
@@ -13,51 +21,133 @@ use std::convert::Infallible;
 /// Source: [Burley20], "Practical Hash-Based Owen Scrambling", JCGT.
 pub struct OwenSobol {
     seed: u64,
-    /// The point's number, its lowest bit first.
-    reversed_index: u32,
-    /// Sets made so far.
-    sets: u32,
-    coordinates: [u32; 4],
+    /// The point's number.
+    index: u32,
+    /// Coordinates drawn of this point.
     drawn: usize,
+    /// Those made so far of the points that are made with this one.
+    made: Vec<Coordinates>,
+    /// The sequence of the branches.
+    branches: Option<Box<Self>>,
+    instructions: InstructionSet,
 }
 
 impl OwenSobol {
-    /// Point number `index` mod 2³² of the sequence with key `seed`.
+    /// The sequence with key `seed`, at its first point.
+    pub fn new(seed: u64) -> Self {
+        Self { seed, index: 0, drawn: 0, made: Vec::new(), branches: None, instructions: InstructionSet::detect() }
+    }
+
+    /// Becomes the sequence with key `seed`, at its first point, and keeps its memory.
+    pub fn restart(&mut self, seed: u64) {
+        (self.seed, self.index, self.drawn) = (seed, 0, 0);
+        self.made.clear();
+        if let Some(branches) = &mut self.branches {
+            branches.restart(of_branches(seed));
+        }
+    }
+
+    /// Goes to the first coordinate of point number `index` mod 2³².
     #[inline]
-    pub fn new(seed: u64, index: u64) -> Self {
-        Self { seed, reversed_index: (index as u32).reverse_bits(), sets: 0, coordinates: [0; 4], drawn: 4 }
+    pub fn go_to(&mut self, index: u64) {
+        let index = index as u32;
+        if index / POINTS as u32 != self.index / POINTS as u32 {
+            self.made.clear();
+        }
+        (self.index, self.drawn) = (index, 0);
     }
 
     /// The numbers of branch `i` of `branches` of this point: point `index` × `branches` + i of another sequence.
     #[inline]
-    pub fn branch(&self, i: u32, branches: u32) -> Self {
-        let index = self.reversed_index.reverse_bits();
-        Self::new(mixed(self.seed ^ GOLDEN), u64::from(index) * u64::from(branches) + u64::from(i))
+    pub fn branch(&mut self, i: u32, branches: u32) -> &mut Self {
+        let index = u64::from(self.index) * u64::from(branches) + u64::from(i);
+        let sequence = self.branches.get_or_insert_with(|| Box::new(Self::new(of_branches(self.seed))));
+        sequence.go_to(index);
+        sequence
     }
 
     #[inline]
     fn coordinate(&mut self) -> u32 {
-        if self.drawn == 4 {
-            self.make_set();
-        }
+        let point = self.index as usize % POINTS;
+        let coordinate = match self.made.get(self.drawn) {
+            Some(coordinates) => coordinates[point],
+            None => self.make_more()[point],
+        };
         self.drawn += 1;
-        self.coordinates[self.drawn - 1]
+        coordinate
     }
 
-    #[inline(never)]
-    fn make_set(&mut self) {
-        let key = mixed(self.seed.wrapping_add(u64::from(self.sets).wrapping_mul(GOLDEN)));
-        let more = mixed(key);
-        let keys = [(key >> 32) as u32, more as u32, (more >> 32) as u32, (more.wrapping_mul(GOLDEN) >> 32) as u32];
-        let index = nested(self.reversed_index, key as u32).reverse_bits();
-        let digits = [index, pascal(index), looked_up(&THIRD, index), looked_up(&FOURTH, index)];
-        self.coordinates = array::from_fn(|i| nested(digits[i], keys[i]).reverse_bits());
-        self.sets += 1;
-        self.drawn = 0;
+    /// Makes more sets of coordinates, and returns the first of them.
+    #[cold]
+    fn make_more(&mut self) -> &Coordinates {
+        let first = self.made.len();
+        self.instructions.perform(MoreSets(self));
+        &self.made[first]
     }
 }
 
+/// The next sets of some points.
+struct MoreSets<'a>(&'a mut OwenSobol);
+
+impl Work for MoreSets<'_> {
+    type Outcome = ();
+
+    #[inline(always)]
+    fn perform(self) {
+        let OwenSobol { seed, index, made, .. } = self.0;
+        let first = *index - *index % POINTS as u32;
+        let sets = (made.len() / 4) as u64;
+        for set in sets..sets + SETS as u64 {
+            made.extend(set_of(mixed(seed.wrapping_add(set.wrapping_mul(GOLDEN))), first));
+        }
+    }
+}
+
+/// The coordinates of points `first`, a multiple of [`POINTS`], and following, in the set with a key.
+///
+/// Shuffled, the points' numbers still differ in their lowest digits alone, and coordinates are linear in the digits mod 2:
+/// the first point's give the others'.
+#[inline(always)]
+fn set_of(key: u64, first: u32) -> [Coordinates; 4] {
+    let keys = scrambles(key);
+    let mut shuffled = [0; POINTS];
+    for (i, number) in (first..).zip(&mut shuffled) {
+        *number = nested(i.reverse_bits(), key as u32).reverse_bits();
+    }
+    let of_first = digits(shuffled[0]);
+    let mut set = [[0; POINTS]; 4];
+    for (axis, coordinates) in set.iter_mut().enumerate() {
+        for (number, coordinate) in shuffled.iter().zip(coordinates) {
+            let lowest = number ^ shuffled[0];
+            let bit = |k: usize| (lowest >> k & 1).wrapping_neg() & LOWEST[k][axis];
+            *coordinate = nested(of_first[axis] ^ bit(0) ^ bit(1) ^ bit(2), keys[axis]).reverse_bits();
+        }
+    }
+    set
+}
+
+/// The keys of the scrambles of a set's coordinates.
+#[inline(always)]
+fn scrambles(key: u64) -> [u32; 4] {
+    let more = mixed(key);
+    [(key >> 32) as u32, more as u32, (more >> 32) as u32, (more.wrapping_mul(GOLDEN) >> 32) as u32]
+}
+
+/// The four Sobol coordinates of point `index`, lowest bit first.
+const fn digits(index: u32) -> [u32; 4] {
+    [index, pascal(index), looked_up(&THIRD, index), looked_up(&FOURTH, index)]
+}
+
+/// Those of the points whose numbers have one of the lowest digits and no other.
+const LOWEST: [[u32; 4]; 3] = [digits(1), digits(2), digits(4)];
+const _: () = assert!(POINTS == 1 << LOWEST.len());
+
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// The key of the branches' sequence.
+fn of_branches(seed: u64) -> u64 {
+    mixed(seed ^ GOLDEN)
+}
 
 /// The finaliser of SplitMix64.
 ///
@@ -85,7 +175,7 @@ fn nested(mut x: u32, key: u32) -> u32 {
 /// The second Sobol coordinate of point `index`, lowest bit first, where the first coordinate is the index itself: bit k is
 /// Σ_j C(j, k) index_j mod 2, and C(j, k) is odd where j has all of k's bits.
 #[inline]
-fn pascal(mut index: u32) -> u32 {
+const fn pascal(mut index: u32) -> u32 {
     index ^= (index >> 1) & 0x5555_5555;
     index ^= (index >> 2) & 0x3333_3333;
     index ^= (index >> 4) & 0x0f0f_0f0f;
@@ -128,9 +218,9 @@ const fn table(first: [u64; 3], degree: usize, inner: u64) -> Table {
 }
 
 #[inline]
-fn looked_up(table: &Table, index: u32) -> u32 {
-    let [a, b, c, d] = index.to_le_bytes().map(usize::from);
-    table[0][a] ^ table[1][b] ^ table[2][c] ^ table[3][d]
+const fn looked_up(table: &Table, index: u32) -> u32 {
+    let [a, b, c, d] = index.to_le_bytes();
+    table[0][a as usize] ^ table[1][b as usize] ^ table[2][c as usize] ^ table[3][d as usize]
 }
 
 impl TryRng for OwenSobol {
@@ -162,6 +252,12 @@ mod tests {
     use crate::engine::uniform_f32;
     use rand_pcg::rand_core::Rng;
 
+    fn point(seed: u64, index: u64) -> OwenSobol {
+        let mut rng = OwenSobol::new(seed);
+        rng.go_to(index);
+        rng
+    }
+
     /// Points in each of 256 cells, columns by rows, of 256 points, from coordinate `first` on.
     fn occupancy(columns: usize, first: u32, point: impl Fn(u64) -> OwenSobol) -> Vec<u32> {
         let rows = 256 / columns;
@@ -177,12 +273,12 @@ mod tests {
     #[test]
     fn coordinates_are_stratified() {
         let once = |cells: Vec<u32>| cells.iter().all(|&n| n == 1);
-        assert!([16, 4, 64].map(|columns| once(occupancy(columns, 0, |i| OwenSobol::new(7, i)))).iter().all(|&b| b));
-        assert!((0..40).all(|first| once(occupancy(256, first, |i| OwenSobol::new(7, i)))));
-        assert!((0..40).step_by(4).all(|first| once(occupancy(16, first, |i| OwenSobol::new(7, 256 + i)))));
-        assert!((0..40).step_by(4).all(|first| once(occupancy(128, first, |i| OwenSobol::new(8, 512 + i)))));
+        assert!([16, 4, 64].map(|columns| once(occupancy(columns, 0, |i| point(7, i)))).iter().all(|&b| b));
+        assert!((0..40).all(|first| once(occupancy(256, first, |i| point(7, i)))));
+        assert!((0..40).step_by(4).all(|first| once(occupancy(16, first, |i| point(7, 256 + i)))));
+        assert!((0..40).step_by(4).all(|first| once(occupancy(128, first, |i| point(8, 512 + i)))));
         // Points of different sequences are not.
-        assert!(!once(occupancy(256, 0, |i| OwenSobol::new(i << 20 | i, 0))));
+        assert!(!once(occupancy(256, 0, |i| point(i << 20 | i, 0))));
     }
 
     /// Known values of the plain sequence: 2⁻³ times the numbers of the first eight points.
@@ -193,13 +289,28 @@ mod tests {
         assert_eq!(eighths(&FOURTH), [0, 4, 6, 2, 1, 5, 7, 3]);
     }
 
+    /// Points that are made at once are what each would be by itself.
+    #[test]
+    fn points_of_a_set_are_scrambled_sobol_points() {
+        let key = 0x1234_5678_9abc_def0;
+        for first in [0, 8, 1000] {
+            let set = set_of(key, first);
+            for (i, point) in (first..).zip(0..POINTS) {
+                let plain = digits(nested(i.reverse_bits(), key as u32).reverse_bits());
+                for (axis, key) in scrambles(key).into_iter().enumerate() {
+                    assert_eq!(set[axis][point], nested(plain[axis], key).reverse_bits(), "{i}, {axis}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn coordinates_are_uniform_and_unrelated() {
         // Many points: the product of two coordinates has mean 1/4 and variance 7/144; of one sequence less.
         let mut sums = [0.0; 4];
         let n = 100_000;
         for i in 0..n {
-            let mut rng = OwenSobol::new(3, i);
+            let mut rng = point(3, i);
             let [a, b, c, d] = [0; 4].map(|_| f64::from(uniform_f32(&mut rng)));
             sums.iter_mut().zip([a, a * c, b * d, a * a]).for_each(|(sum, x)| *sum += x / n as f64);
         }
@@ -210,16 +321,30 @@ mod tests {
 
     #[test]
     fn branches_of_all_points_are_one_sequence() {
-        let branch = |i| OwenSobol::new(7, i / 4).branch(i as u32 % 4, 4);
+        let branch = |i| {
+            let mut rng = point(7, i / 4);
+            rng.branch(i as u32 % 4, 4);
+            *rng.branches.unwrap()
+        };
         for columns in [4, 16, 256] {
             assert!(occupancy(columns, 0, branch).iter().all(|&n| n == 1));
         }
-        assert_ne!(branch(0).next_u32(), OwenSobol::new(7, 0).next_u32());
+        assert_ne!(branch(0).next_u32(), point(7, 0).next_u32());
+    }
+
+    #[test]
+    fn a_restarted_sequence_is_a_new_one() {
+        let mut used = point(7, 3);
+        used.branch(1, 4).next_u32();
+        (0..20).for_each(|_| _ = used.next_u32());
+        used.restart(8);
+        let mut new = OwenSobol::new(8);
+        assert_eq!([used.next_u32(), used.branch(1, 4).next_u32()], [new.next_u32(), new.branch(1, 4).next_u32()]);
     }
 
     #[test]
     fn a_long_coordinate_keeps_its_stratum() {
-        let (mut a, mut b) = (OwenSobol::new(9, 3), OwenSobol::new(9, 3));
+        let (mut a, mut b) = (point(9, 3), point(9, 3));
         assert_eq!(a.next_u64() >> 40, u64::from(b.next_u32()) >> 8);
     }
 }

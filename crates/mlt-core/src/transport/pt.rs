@@ -58,6 +58,7 @@ struct Walk {
 
 impl PathTracer<'_> {
     /// Takes one sample through a point of the image and shows `visit` its parts, whose expected sum is the radiance.
+    #[inline(always)]
     pub fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let camera = self.view.camera.vertex();
         let direction = self.view.camera.direction(image);
@@ -75,7 +76,7 @@ impl PathTracer<'_> {
         }
         let share = 1.0 / f64::from(self.branches);
         let mut visit = |radiance, end: PathEnd| visit(radiance * share, end);
-        (0..self.branches).for_each(|i| self.go_on(walk.clone(), &mut rng.branch(i, self.branches), &mut visit));
+        (0..self.branches).for_each(|i| self.go_on(walk.clone(), rng.branch(i, self.branches), &mut visit));
     }
 
     /// Grows the path until it ends.

@@ -62,7 +62,6 @@ pub(super) fn in_material(material: &Material) -> Option<String> {
     let absorbs = |v: &gltf::material::Volume| {
         v.attenuation_distance().is_finite() && v.attenuation_color().iter().any(|&c| c < 1.0)
     };
-    let transmits = transmission.as_ref().is_some_and(|t| t.transmission_factor() > 0.0);
     let glossy = |s: &gltf::material::Specular| s.specular_factor() != 1.0 || s.specular_color_factor() != [1.0; 3];
     let features = [
         (textured, "baseColorTexture"),
@@ -75,7 +74,10 @@ pub(super) fn in_material(material: &Material) -> Option<String> {
         (translucent && material.alpha_mode() == AlphaMode::Blend, "alphaMode BLEND"),
         (translucent && material.alpha_mode() == AlphaMode::Mask, "alphaMode MASK"),
         (volume.as_ref().is_some_and(absorbs), "attenuation in the volume"),
-        (transmits && specular.as_ref().is_some_and(glossy), "KHR_materials_specular of what transmits light"),
+        (
+            transmits(material) && specular.as_ref().is_some_and(glossy),
+            "KHR_materials_specular of what transmits light",
+        ),
     ];
     let features = features.iter().filter(|f| f.0).map(|f| f.1.to_owned());
     let extensions = material.extensions().into_iter().flat_map(|map| map.keys().cloned());
@@ -84,15 +86,18 @@ pub(super) fn in_material(material: &Material) -> Option<String> {
 
 /// Of a material whose volume has no thickness.
 pub(super) fn in_volume(material: &Material) -> Option<String> {
-    let transmits = material.transmission().is_some_and(|t| t.transmission_factor() > 0.0);
     let thin = material.volume().is_some_and(|volume| volume.thickness_factor() <= 0.0);
-    (transmits && thin).then(|| {
+    (transmits(material) && thin).then(|| {
         format!(
             "{}: a volume of thickness 0 is taken for a solid, as one of any other thickness; leave KHR_materials_volume \
              out for a thin wall",
             place_of(material)
         )
     })
+}
+
+fn transmits(material: &Material) -> bool {
+    material.transmission().is_some_and(|t| t.transmission_factor() > 0.0)
 }
 
 fn place_of(material: &Material) -> String {

@@ -24,9 +24,9 @@ mod wide;
 #[cfg(test)]
 mod tests;
 
+use super::instructions::InstructionSet;
 use super::ray::{Hit, Ray};
 use glam::Vec3;
-use simd::InstructionSet;
 use wide::WideTree;
 
 /// How long to build for; a better tree makes every ray faster.

@@ -6,6 +6,9 @@
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]
+use super::super::instructions::Avx2;
+use super::super::instructions::{InstructionSet, Portable};
+#[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
 /// Eight floats in memory.
@@ -79,10 +82,6 @@ pub fn splat3<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> [S::Floats; 3] {
     [simd.splat(x), simd.splat(y), simd.splat(z)]
 }
 
-/// Plain Rust.
-#[derive(Clone, Copy, Debug)]
-pub struct Portable;
-
 #[inline(always)]
 fn each(f: impl Fn(usize) -> f32) -> Lanes {
     Lanes(std::array::from_fn(f))
@@ -122,25 +121,6 @@ impl Simd for Portable {
     }
     fn least(self, keys: [u32; 8]) -> u32 { keys.into_iter().fold(u32::MAX, u32::min) }
     fn without(self, keys: [u32; 8], key: u32) -> [u32; 8] { keys.map(|k| if k == key { u32::MAX } else { k }) }
-}
-
-/// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
-#[cfg(target_arch = "x86_64")]
-#[derive(Clone, Copy, Debug)]
-pub struct Avx2(());
-
-#[cfg(target_arch = "x86_64")]
-impl Avx2 {
-    /// Asks the processor.
-    fn detect() -> Option<Self> {
-        let all = is_x86_feature_detected!("avx2")
-            && is_x86_feature_detected!("fma")
-            && is_x86_feature_detected!("bmi1")
-            && is_x86_feature_detected!("bmi2")
-            && is_x86_feature_detected!("lzcnt")
-            && is_x86_feature_detected!("popcnt");
-        all.then_some(Self(()))
-    }
 }
 
 /// Methods that are one expression of intrinsics each.
@@ -210,26 +190,5 @@ impl Simd for Avx2 {
         };
         without(keys: __m256i, key: u32) -> __m256i =
             _mm256_or_si256(keys, _mm256_cmpeq_epi32(keys, _mm256_set1_epi32(key as i32)));
-    }
-}
-
-/// The instruction set that a query uses, chosen once.
-#[derive(Clone, Copy, Debug)]
-pub enum InstructionSet {
-    /// Any processor.
-    Portable(Portable),
-    /// x86-64 since 2013.
-    #[cfg(target_arch = "x86_64")]
-    Avx2(Avx2),
-}
-
-impl InstructionSet {
-    /// The best that this processor has.
-    pub fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(avx2) = Avx2::detect() {
-            return Self::Avx2(avx2);
-        }
-        Self::Portable(Portable)
     }
 }

@@ -1,4 +1,4 @@
-use super::simd::Portable;
+use super::super::instructions::Portable;
 use super::*;
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::{Rng, SeedableRng};

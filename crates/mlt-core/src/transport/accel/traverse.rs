@@ -14,9 +14,10 @@
 //! most walks are). Indices are checked: measured, that costs less than one per cent.
 #![allow(unsafe_code)]
 
+use super::super::instructions::{InstructionSet, Portable};
 use super::super::ray::{Hit, Ray};
 use super::binary::MAX_COORDINATE;
-use super::simd::{InstructionSet, KEY_LANE, Portable, Simd, splat3};
+use super::simd::{KEY_LANE, Simd, splat3};
 use super::watertight::{Nearest, Shear};
 use super::wide::{Child, Node, WideTree};
 use glam::Vec3A;
@@ -79,7 +80,7 @@ macro_rules! query {
 
         #[cfg(target_arch = "x86_64")]
         query!(
-            fn $avx2(super::simd::Avx2) -> $answer, $walk, $scaled,
+            fn $avx2(super::super::instructions::Avx2) -> $answer, $walk, $scaled,
             #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
         );
     };

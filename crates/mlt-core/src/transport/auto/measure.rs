@@ -121,8 +121,9 @@ impl Pixel {
         for sequence in 0..sequences {
             let key = generator(seed, Purpose::Image, PILOT + sequence, 0, pixel).next_u64();
             let mut here = vec![0.0; parts.len()];
+            let rng = &mut OwenSobol::new(key);
             for index in 0..samples {
-                let rng = &mut OwenSobol::new(key, index);
+                rng.go_to(index);
                 let image = point_in_pixel(pixel, sampler.size(), rng);
                 sampler.sample(image, rng, &mut |elsewhere, value: DVec3, end| {
                     let (part, value) = (parts.index(&end), value.element_sum());
@@ -144,7 +145,7 @@ pub(super) fn work_of<T: ImageSampler>(sampler: &T, seed: u64) -> f64 {
     let pixels = sampler.size().map(u64::from).iter().product();
     let of_pixel = |pixel| {
         let before = rays_traced();
-        let rng = &mut OwenSobol::new(generator(seed, Purpose::Image, PILOT, 0, pixel).next_u64(), 0);
+        let rng = &mut OwenSobol::new(generator(seed, Purpose::Image, PILOT, 0, pixel).next_u64());
         let image = point_in_pixel(pixel, sampler.size(), rng);
         sampler.sample(image, rng, &mut |_, _, _| {});
         rays_traced() - before

@@ -149,7 +149,7 @@ mod tests {
     fn sampled(sampler: &impl ImageSampler) -> [f64; 2] {
         let n = 400_000;
         let moment = |i: u64| {
-            let rng = &mut OwenSobol::new(i, 0);
+            let rng = &mut OwenSobol::new(i);
             let (image, mut sum) = (Vec2::new(uniform_f32(rng), uniform_f32(rng)), 0.0);
             sampler.sample(image, rng, &mut |_, value: DVec3, _| {
                 let value = value.element_sum();
