@@ -1,6 +1,7 @@
 //! An order of points in space in which neighbours stay near each other.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Bits of one coordinate.
 const BITS: u32 = 16;
@@ -14,8 +15,8 @@ pub(super) fn order(points: &[Vec3]) -> Vec<u32> {
     let size = (high - low).max_element();
     let scale = if size > 0.0 { ((1 << BITS) - 1) as f32 / size } else { 0.0 };
     let key = |p: &Vec3| key(((*p - low) * scale).to_array().map(|x| x as u32));
-    let mut keyed: Vec<_> = points.iter().map(key).zip(0..).collect();
-    keyed.sort_unstable();
+    let mut keyed: Vec<_> = points.par_iter().enumerate().map(|(index, p)| (key(p), index as u32)).collect();
+    keyed.par_sort_unstable();
     keyed.into_iter().map(|(_, index)| index).collect()
 }
 

@@ -10,24 +10,28 @@ use crate::{
 };
 use glam::{DVec3, Vec3};
 use mlt_core::transport::{description::SceneDescription, mesh::Mesh};
-use std::collections::HashMap;
+use std::{collections::HashMap, io::Read, path::Path};
 use text::{Numbered, Reduced};
 
 /// Materials in the order of their libraries, and where each name is found.
 type Library = (Vec<tobj::Material>, HashMap<String, usize>);
+
+/// A line for the parser to ask for the materials at, before all others: all libraries at once.
+const MTLLIB: &[u8] = b"mtllib all\n";
 
 /// Loads every object of the file; OBJ has no cameras.
 pub(crate) fn load(source: &Source) -> Result<Loaded, SceneError> {
     let bytes = source.read()?;
     let reduced = Reduced::new(&String::from_utf8_lossy(&bytes));
     let mut warnings = reduced.warnings();
-    let library = libraries(source, &reduced, &mut warnings)?;
+    let (materials, places) = libraries(source, &reduced, &mut warnings)?;
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let parse = |numbered: &mut Numbered| {
-        tobj::load_obj_buf(numbered, &options, |_| Ok(library.clone())).map_err(|e| e.to_string())
+        let library = |_: &Path| Ok((materials.clone(), places.clone().into_iter().collect()));
+        tobj::load_obj_buf(&mut MTLLIB.chain(numbered), &options, library).map_err(|e| e.to_string())
     };
     let (models, _) = text::parse(&source.path, "OBJ", &reduced.text, parse)?;
-    let description = describe(source, models, &library, &mut warnings)?;
+    let description = describe(source, models, &materials, &mut warnings)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Loaded { name, description, warnings })
 }
@@ -62,10 +66,10 @@ fn libraries(source: &Source, reduced: &Reduced, warnings: &mut Vec<String>) -> 
 fn describe(
     source: &Source,
     models: Vec<tobj::Model>,
-    library: &Library,
+    materials: &[tobj::Material],
     warnings: &mut Vec<String>,
 ) -> Result<SceneDescription, SceneError> {
-    let materials = library.0.iter().map(|m| material::material(m, warnings)).collect();
+    let materials = materials.iter().map(|m| material::material(m, warnings)).collect();
     let mut scene = SceneDescription { materials, ..SceneDescription::default() };
     let grey = scene.materials.len();
     if models.iter().any(|m| m.mesh.material_id.is_none()) {

@@ -1,6 +1,7 @@
 //! The text that the OBJ parser gets to see, and the line at which it stops.
 
 use crate::{SceneError, guard};
+use rayon::prelude::*;
 use std::{
     borrow::Cow,
     collections::BTreeSet,
@@ -11,7 +12,7 @@ use std::{
 /// An OBJ text without what the renderer has no use for; lines keep their numbers.
 #[derive(Default)]
 pub(super) struct Reduced {
-    /// Positions, normals, faces, objects and materials; `mtllib` once, before the first `usemtl`.
+    /// Positions, normals, faces, objects and materials in use; no `mtllib`.
     pub text: String,
     /// Material libraries in the order of the file.
     pub libraries: Vec<String>,
@@ -25,13 +26,31 @@ pub(super) struct Reduced {
 impl Reduced {
     /// Reduces `text`.
     pub fn new(text: &str) -> Self {
-        let mut reduced = Self { text: String::with_capacity(text.len()), ..Self::default() };
-        for line in text.strip_prefix('\u{feff}').unwrap_or(text).lines() {
+        let add = |mut reduced: Self, line: &str| {
             let kept = reduced.line(line.trim());
             reduced.text.push_str(&kept);
             reduced.text.push('\n');
+            reduced
+        };
+        text.strip_prefix('\u{feff}')
+            .unwrap_or(text)
+            .par_lines()
+            .fold(Self::default, add)
+            .reduce(Self::default, Self::then)
+    }
+
+    /// This text and another after it.
+    fn then(mut self, next: Self) -> Self {
+        if self.text.is_empty() {
+            return next;
         }
-        reduced
+        self.text += &next.text;
+        self.libraries.extend(next.libraries);
+        self.used.extend(next.used);
+        self.has_lines |= next.has_lines;
+        self.has_colours |= next.has_colours;
+        self.has_curves |= next.has_curves;
+        self
     }
 
     fn line<'a>(&mut self, line: &'a str) -> Cow<'a, str> {
@@ -48,10 +67,7 @@ impl Reduced {
                 self.used.insert(rest.trim().to_owned());
                 return line.into();
             }
-            "mtllib" => {
-                self.libraries.push(rest.trim().to_owned());
-                return if self.libraries.len() == 1 { "mtllib all".into() } else { "".into() };
-            }
+            "mtllib" => self.libraries.push(rest.trim().to_owned()),
             "l" | "p" => self.has_lines = true,
             "curv" | "curv2" | "surf" => self.has_curves = true,
             _ => {}
