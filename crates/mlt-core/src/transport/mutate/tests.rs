@@ -16,7 +16,8 @@ use super::super::region::LightRegion;
 use super::super::scene::Scene;
 use super::super::strata::{LightStrata, Stratification};
 use super::super::stratum::LightStratum;
-use super::PathMutation;
+use super::super::testing::{World, lambert, mirror, room};
+use super::{PathMutation, Perturbations};
 use crate::engine::{Mutation, Purpose, generator};
 use glam::{DVec3, Vec3A};
 use std::f64::consts::{PI, TAU};
@@ -235,4 +236,20 @@ fn proposals_are_complete() {
         });
     }
     assert!(checked.iter().all(|&n| n > 100), "{checked:?}");
+}
+
+#[test]
+fn perturbations_are_those_asked_for_and_of_use() {
+    let (specular, diffuse) = (room(mirror(), true), room(lambert(Rgb::ONE), true));
+    let names = |perturbations, world: &World| {
+        let name = |m: &PathMutation| Mutation::<LightPath, LightStratum>::name(m);
+        PathMutation::with(perturbations, world.view()).iter().map(name).collect::<Vec<_>>()
+    };
+    let (none, all) = (Perturbations::NONE, Perturbations::ALL);
+    assert_eq!(names(none, &specular), ["bidirectional"]);
+    assert_eq!(names(Perturbations { lens: true, ..none }, &specular), ["bidirectional", "lens"]);
+    assert_eq!(names(Perturbations { caustic: true, ..none }, &specular), ["bidirectional", "caustic"]);
+    assert_eq!(names(Perturbations { caustic: true, ..none }, &diffuse), ["bidirectional"]);
+    assert_eq!(names(all, &specular), ["bidirectional", "lens", "multi-chain", "caustic"]);
+    assert_eq!(names(all, &diffuse), ["bidirectional", "lens", "multi-chain"]);
 }
