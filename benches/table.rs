@@ -67,25 +67,24 @@ fn build() {
     }
 }
 
-/// Rounds of a slice: enough for two threads to share.
-const ROUNDS: u64 = 16;
-/// Methods, and their samples or mutations per pixel in a round.
-const METHODS: [(&str, Method, f64); 4] = [
-    ("pt, samples", Method::Path, 1.0),
-    ("bdpt, samples", Method::Bidirectional, 0.5),
-    ("mlt, mutations", Method::Metropolis, 4.0),
-    ("mmlt, mutations", Method::Multiplexed, 2.0),
+/// Methods, their samples or mutations per pixel in a round, and rounds of a slice: enough for two threads to share.
+const METHODS: [(&str, Method, f64, u64); 4] = [
+    ("pt, samples", Method::Path, 8.0, 2),
+    ("bdpt, samples", Method::Bidirectional, 4.0, 2),
+    ("mlt, mutations", Method::Metropolis, 4.0, 16),
+    ("mmlt, mutations", Method::Multiplexed, 2.0, 16),
 ];
 
 /// Samples or mutations per CPU-second on the Cornell box, and over the rays per CPU-second of the bare accelerator.
 fn methods() {
     let loaded = Loaded::builtin("cornell", [256, 256]);
-    let renderers = METHODS.map(|(_, method, per_pixel)| {
+    let renderers = METHODS.map(|(_, method, per_pixel, _)| {
         Renderer::new(loaded.view(), Settings { max_edges: Some(6), ..loaded.settings(method, per_pixel) })
     });
-    let render = |renderer: &Renderer| {
+    let render = |k: usize| {
+        let renderer = &renderers[k];
         let (mut film, mut counts) = (renderer.film(), Counts::default());
-        renderer.render(0..ROUNDS, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
+        renderer.render(0..METHODS[k].3, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
         counts
     };
     let stage = Stage::all()[0]();
@@ -95,7 +94,7 @@ fn methods() {
     let mut counts = vec![Counts::default(); METHODS.len()];
     let times = take_turns(1 + 2 * METHODS.len(), 5, |i| match i.checked_sub(1) {
         None => (0..20).for_each(|_| _ = std::hint::black_box(accel.count_nearest(&bare_rays))),
-        Some(k) => counts[k / 2] = pools[k % 2].install(|| render(&renderers[k / 2])),
+        Some(k) => counts[k / 2] = pools[k % 2].install(|| render(k / 2)),
     });
     let rate = |amount: f64, times: &[Time]| amount / median(times.iter().map(|time| time.cpu));
     let bare = 20.0 * bare_rays.len() as f64;

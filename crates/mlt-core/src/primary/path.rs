@@ -1,7 +1,7 @@
 //! States in primary sample space.
 
 use super::stream::Change;
-use super::{Output, Stream, Tracer};
+use super::{Output, Stream, Streams, Tracer};
 use crate::engine::{Importance, Path};
 use rand_pcg::rand_core::Rng;
 use std::array;
@@ -9,32 +9,32 @@ use std::array;
 /// The numbers that a tracer used, and its output.
 #[derive(Debug)]
 pub struct PrimaryPath<O, const STREAMS: usize> {
-    numbers: [Vec<u32>; STREAMS],
+    streams: Streams<STREAMS>,
     output: O,
 }
 
 impl<O: Default, const STREAMS: usize> Default for PrimaryPath<O, STREAMS> {
     fn default() -> Self {
-        Self { numbers: array::from_fn(|_| Vec::new()), output: O::default() }
+        Self { streams: array::from_fn(|_| Stream::default()), output: O::default() }
     }
 }
 
 impl<O: Clone, const STREAMS: usize> Clone for PrimaryPath<O, STREAMS> {
     fn clone(&self) -> Self {
-        Self { numbers: self.numbers.clone(), output: self.output.clone() }
+        Self { streams: self.streams.clone(), output: self.output.clone() }
     }
 
     /// Copies without giving up the memory of `self`.
     fn clone_from(&mut self, source: &Self) {
-        self.numbers.iter_mut().zip(&source.numbers).for_each(|(to, from)| to.clone_from(from));
+        self.streams.clone_from_slice(&source.streams);
         self.output.clone_from(&source.output);
     }
 }
 
 impl<O: Output, const STREAMS: usize> PrimaryPath<O, STREAMS> {
-    /// The numbers of each stream, u·2³², as far as the tracer used them.
-    pub fn numbers(&self) -> &[Vec<u32>; STREAMS] {
-        &self.numbers
+    /// The streams of numbers, as far as the tracer used them.
+    pub fn streams(&self) -> &Streams<STREAMS> {
+        &self.streams
     }
 
     /// What the tracer made of them.
@@ -51,13 +51,12 @@ impl<O: Output, const STREAMS: usize> PrimaryPath<O, STREAMS> {
         tracer: &impl Tracer<STREAMS, Output = O>,
         rng: &mut impl Rng,
     ) -> bool {
-        let mut index = 0;
-        let mut streams = self.numbers.each_mut().map(|to| {
-            let from = current.map_or(&[][..], |path| &path.numbers[index]);
-            index += 1;
-            Stream::new(from, to, change, rng.next_u64())
-        });
-        tracer.trace(&mut streams, &mut self.output)
+        for (i, stream) in self.streams.iter_mut().enumerate() {
+            stream.begin(current.map(|path| &path.streams[i]), change, rng.next_u64());
+        }
+        let lit = tracer.trace(&mut self.streams, &mut self.output);
+        self.streams.iter_mut().for_each(Stream::end);
+        lit
     }
 }
 

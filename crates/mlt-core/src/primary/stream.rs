@@ -3,18 +3,32 @@
 use rand_pcg::rand_core::{Infallible, TryRng, utils};
 
 /// The streams of one evaluation, in the tracer's order.
-pub type Streams<'a, const STREAMS: usize> = [Stream<'a>; STREAMS];
+pub type Streams<const STREAMS: usize> = [Stream; STREAMS];
 
 /// How a number follows from the one at its place in the current state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Change {
     /// A fresh number.
+    #[default]
     Fresh,
     /// The same number.
     #[cfg(test)]
     Same,
     /// A number nearby.
     Near(Perturbation),
+}
+
+impl Change {
+    /// The number that takes the place of `number`.
+    #[inline]
+    fn apply(self, number: u32, random: u32) -> u32 {
+        match self {
+            Self::Fresh => random,
+            #[cfg(test)]
+            Self::Same => number,
+            Self::Near(perturbation) => perturbation.apply(number, random),
+        }
+    }
 }
 
 /// Offsets d = ±s₂ (s₁/s₂)^ξ, ξ uniform in [0, 1): log-uniform between s₁ and s₂.
@@ -49,21 +63,48 @@ impl Perturbation {
 ///
 /// A number is made when it is drawn: from the one that the current state has at that place, or afresh beyond its end.
 /// `next_u32` and `next_u64` each draw one; the latter's low half repeats it.
-#[derive(Debug)]
-pub struct Stream<'a> {
-    from: &'a [u32],
-    to: &'a mut Vec<u32>,
+#[derive(Debug, Default)]
+pub struct Stream {
+    /// Those drawn so far; after them, until the stream ends, those of the current state.
+    numbers: Vec<u32>,
+    drawn: usize,
     change: Change,
     /// State of a SplitMix64: its steps are short, and a draw costs less than one of the chain's generator.
     random: u64,
 }
 
-impl<'a> Stream<'a> {
-    /// Records in `to` what is drawn.
+impl Clone for Stream {
+    fn clone(&self) -> Self {
+        Self { numbers: self.numbers.clone(), ..*self }
+    }
+
+    /// Copies without giving up the memory of `self`.
+    fn clone_from(&mut self, source: &Self) {
+        self.numbers.clone_from(&source.numbers);
+        (self.drawn, self.change, self.random) = (source.drawn, source.change, source.random);
+    }
+}
+
+impl Stream {
+    /// Starts anew, with the numbers of `current` ahead.
     #[inline(always)]
-    pub(super) fn new(from: &'a [u32], to: &'a mut Vec<u32>, change: Change, seed: u64) -> Self {
-        to.clear();
-        Self { from, to, change, random: seed }
+    pub(super) fn begin(&mut self, current: Option<&Self>, change: Change, seed: u64) {
+        self.numbers.clear();
+        if let Some(current) = current {
+            self.numbers.extend_from_slice(&current.numbers);
+        }
+        (self.drawn, self.change, self.random) = (0, change, seed);
+    }
+
+    /// Forgets the numbers that were not drawn.
+    #[inline(always)]
+    pub(super) fn end(&mut self) {
+        self.numbers.truncate(self.drawn);
+    }
+
+    /// The numbers.
+    pub fn numbers(&self) -> &[u32] {
+        &self.numbers
     }
 
     /// Source: Steele, Lea & Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
@@ -78,18 +119,24 @@ impl<'a> Stream<'a> {
 
     #[inline]
     fn draw(&mut self) -> u32 {
-        let number = match (self.change, self.from.get(self.to.len())) {
-            (Change::Near(perturbation), Some(&number)) => perturbation.apply(number, self.random()),
-            #[cfg(test)]
-            (Change::Same, Some(&number)) => number,
-            _ => self.random(),
+        let random = self.random();
+        let change = self.change;
+        let number = match self.numbers.get_mut(self.drawn) {
+            Some(number) => {
+                *number = change.apply(*number, random);
+                *number
+            }
+            None => {
+                self.numbers.push(random);
+                random
+            }
         };
-        self.to.push(number);
+        self.drawn += 1;
         number
     }
 }
 
-impl TryRng for Stream<'_> {
+impl TryRng for Stream {
     type Error = Infallible;
 
     #[inline]
