@@ -111,8 +111,8 @@ impl Work for MoreSets<'_> {
 fn set_of(key: u64, first: u32) -> [Coordinates; 4] {
     let keys = scrambles(key);
     let mut shuffled = [0; POINTS];
-    for (i, number) in (first..).zip(&mut shuffled) {
-        *number = nested(i.reverse_bits(), key as u32).reverse_bits();
+    for (i, number) in shuffled.iter_mut().enumerate() {
+        *number = nested((first + i as u32).reverse_bits(), key as u32).reverse_bits();
     }
     let of_first = digits(shuffled[0]);
     let mut set = [[0; POINTS]; 4];
@@ -293,9 +293,9 @@ mod tests {
     #[test]
     fn points_of_a_set_are_scrambled_sobol_points() {
         let key = 0x1234_5678_9abc_def0;
-        for first in [0, 8, 1000] {
+        for first in [0, 8, 1000, u32::MAX - 7] {
             let set = set_of(key, first);
-            for (i, point) in (first..).zip(0..POINTS) {
+            for (i, point) in (first..=u32::MAX).zip(0..POINTS) {
                 let plain = digits(nested(i.reverse_bits(), key as u32).reverse_bits());
                 for (axis, key) in scrambles(key).into_iter().enumerate() {
                     assert_eq!(set[axis][point], nested(plain[axis], key).reverse_bits(), "{i}, {axis}");
