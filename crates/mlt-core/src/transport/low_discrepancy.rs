@@ -289,16 +289,16 @@ mod tests {
         assert_eq!(eighths(&FOURTH), [0, 4, 6, 2, 1, 5, 7, 3]);
     }
 
-    /// Points that are made at once are what each would be by itself.
+    /// Points that are made at once, in vectors if the processor has them, are what each would be by itself.
     #[test]
-    fn points_of_a_set_are_scrambled_sobol_points() {
-        let key = 0x1234_5678_9abc_def0;
-        for first in [0, 8, 1000, u32::MAX - 7] {
-            let set = set_of(key, first);
-            for (i, point) in (first..=u32::MAX).zip(0..POINTS) {
-                let plain = digits(nested(i.reverse_bits(), key as u32).reverse_bits());
-                for (axis, key) in scrambles(key).into_iter().enumerate() {
-                    assert_eq!(set[axis][point], nested(plain[axis], key).reverse_bits(), "{i}, {axis}");
+    fn coordinates_are_scrambled_sobol_points() {
+        for index in [0, 1, 13, 1000, u32::MAX] {
+            let mut rng = point(7, index.into());
+            for set in 0..2 * SETS as u64 {
+                let key = mixed(set.wrapping_mul(GOLDEN).wrapping_add(7));
+                let plain = digits(nested(index.reverse_bits(), key as u32).reverse_bits());
+                for (digits, key) in plain.into_iter().zip(scrambles(key)) {
+                    assert_eq!(rng.next_u32(), nested(digits, key).reverse_bits(), "point {index}, set {set}");
                 }
             }
         }
