@@ -81,8 +81,8 @@ fn agrees(stage: &Stage, settings: &Settings) {
         per_pixel: 64.0,
         ..Settings::default()
     };
-    let expected = stage.replicas(&independent, 1, 12);
-    let seen = stage.replicas(&Settings { per_pixel: 64.0, ..settings.clone() }, 2, 32);
+    let expected = stage.replicas(&independent, 1, 24);
+    let seen = stage.replicas(&Settings { per_pixel: 64.0, ..settings.clone() }, 2, 48);
     let z = worst_z(&seen, &expected, 1.0);
     assert!(z < 4.5, "{settings:?}: z = {z}");
     let control = worst_z(&seen, &expected, 1.05);

@@ -40,12 +40,15 @@ fn samples_for(mutations: u64, mutations_a_sample: u64) -> u64 {
     (mutations / mutations_a_sample.max(1)).max(LEAST_SAMPLES)
 }
 
-/// Shares that minimise Σ_j (chain_error_j / n_j + sample_error_j / m_j) where Σ n_j = `mutations`:
+/// Shares that minimise Σ_j (chain_error_j / n_j · (1 + spread_j / m_j) + sample_error_j / m_j) where Σ n_j = `mutations`:
 ///
-/// n_j = λ √(chain_error_j / mutation_cost_j),  m_j = λ √(sample_error_j / sample_cost_j)
+/// n_j = λ √(chain_error_j / mutation_cost_j),  m_j = λ √((sample_error_j + spread_j · chain_error_j / n_j) / sample_cost_j)
+///
+/// the first as if spread_j / m_j were small, the second so that it becomes so: the chains' noise in a round is b̂_j² times that of
+/// their visits, and E[b̂_j²] = b_j² (1 + spread_j / m_j).
 ///
 /// A quarter of n_j goes in proportion to b_j plus its standard error, since a noisy stratum may have looked quiet. No
-/// m_j is never below what is usual for n_j: an error of b_j is small in squares, but it is the same everywhere. No
+/// m_j is ever below what is usual for n_j: an error of b_j is small in squares, but it is the same everywhere. No
 /// stratum is left out: a dark one, b_j = 0, keeps a few samples a round, and its chain, of a length that `by_power` sets,
 /// runs only if they find light; it is not part of Σ n_j. `mutations_a_sample`: what is usual.
 pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64, mutations_a_sample: u64) -> Vec<Share> {
@@ -53,26 +56,36 @@ pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64, mutati
     let most_noise = measures.iter().filter_map(noise).fold(0.0, f64::max);
     // Of a stratum that hardly ever found light nothing better is known than the worst of the others.
     let error = |m: &Measure| noise(m).unwrap_or(if most_noise > 0.0 { most_noise } else { 1.0 }) * m.b * m.b;
-    let ideal = |error: f64, cost: f64| if error > 0.0 { (error / cost.max(1.0)).sqrt() } else { 0.0 };
     let by_noise: Vec<_> = measures.iter().map(|m| ideal(error(m), m.mutation_cost)).collect();
     let by_b: Vec<_> = measures.iter().map(|m| if m.b > 0.0 { m.b + m.b_stderr } else { 0.0 }).collect();
     let (noise_sum, b_sum): (f64, f64) = (by_noise.iter().sum(), by_b.iter().sum());
     if noise_sum <= 0.0 || b_sum <= 0.0 {
         return by_power.to_vec();
     }
-    let scale = mutations / noise_sum;
-    let samples = |m: &Measure| scale * ideal(m.sample_error, m.sample_cost);
-    let excess = (measures.iter().map(samples).sum::<f64>() / (MOST_SAMPLES * mutations)).max(1.0);
+    let length = |j: usize| {
+        let part = BY_B * by_b[j] / b_sum + (1.0 - BY_B) * by_noise[j] / noise_sum;
+        ((mutations * part).round() as u64).max(LEAST_CHAIN.min(mutations as u64)).max(1)
+    };
+    let samples = |(j, m): (usize, &Measure)| {
+        let of_chains = m.spread * error(m) / length(j) as f64;
+        mutations / noise_sum * ideal(m.sample_error + of_chains, m.sample_cost)
+    };
+    let samples: Vec<_> = measures.iter().enumerate().map(samples).collect();
+    let excess = (samples.iter().sum::<f64>() / (MOST_SAMPLES * mutations)).max(1.0);
     let share = |(j, m): (usize, &Measure)| {
         if m.b <= 0.0 {
             let mutations = by_power[j].mutations.clamp(LEAST_CHAIN, MOST_DARK);
             return Share { mutations, samples: DARK_SAMPLES };
         }
-        let part = BY_B * by_b[j] / b_sum + (1.0 - BY_B) * by_noise[j] / noise_sum;
-        let n = ((mutations * part).round() as u64).max(LEAST_CHAIN.min(mutations as u64)).max(1);
-        Share { mutations: n, samples: ((samples(m) / excess).round() as u64).max(samples_for(n, mutations_a_sample)) }
+        let usual = samples_for(length(j), mutations_a_sample);
+        Share { mutations: length(j), samples: ((samples[j] / excess).round() as u64).max(usual) }
     };
     measures.iter().enumerate().map(share).collect()
+}
+
+/// √(error / cost).
+fn ideal(error: f64, cost: f64) -> f64 {
+    if error > 0.0 { (error / cost.max(1.0)).sqrt() } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -135,5 +148,16 @@ mod tests {
         let with = |sample_error| Measure { sample_error, ..measure(1.0, 1.0, 1.0) };
         let samples = |error| allocate(&[with(error); 2], &[BY_POWER; 2], 1e6, MUTATIONS_A_SAMPLE)[0].samples;
         assert_eq!([0.0, 0.0001, 1e9].map(samples), [15_625, 15_625, 62_500]);
+    }
+
+    /// A stratum whose b̂ is uncertain makes its chains' noise larger; one whose samples all weigh alike does not.
+    #[test]
+    fn samples_follow_the_noise_that_they_bring_to_chains() {
+        let with = |spread| Measure { spread, ..measure(1.0, 1.0, 1.0) };
+        let shares = allocate(&[with(0.0), with(1e6)], &[BY_POWER; 2], 1e6, MUTATIONS_A_SAMPLE);
+        // m = λ √(spread / n) with λ = n = 500,000, more than a share of an eighth of the mutations.
+        assert_eq!([shares[0].samples, shares[1].samples], [15_625, 125_000]);
+        let shares = allocate(&[with(0.0), with(2e3)], &[BY_POWER; 2], 1e6, MUTATIONS_A_SAMPLE);
+        assert_eq!(shares[1].samples, 31_623);
     }
 }

@@ -13,7 +13,7 @@ pub const PILOT: u64 = 1 << 55;
 /// What pilot rounds tell about one stratum.
 ///
 /// With n mutations and m independent samples in a round, the stratum leaves the error
-/// Σ_p w_p Var(X_jp) ≈ chain_error / n + sample_error / m in the image, w being weights of the sites, and costs
+/// Σ_p w_p Var(X_jp) ≈ chain_error / n · (1 + spread / m) + sample_error / m in the image, w being weights of the sites, and costs
 /// n · mutation_cost + m · sample_cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measure {
@@ -25,6 +25,8 @@ pub struct Measure {
     pub chain_error: Option<f64>,
     /// Σ_p w_p μ_jp² times the variance of one sample's weight over b_j², μ_jp the stratum's image.
     pub sample_error: f64,
+    /// Variance of one sample's weight over b_j².
+    pub spread: f64,
     /// Work of a mutation.
     pub mutation_cost: f64,
     /// Work of an independent sample.
@@ -45,6 +47,8 @@ impl Measure {
             b_stderr: sum(&|m| m.b_stderr * m.b_stderr).sqrt(),
             chain_error: measured.then(|| sum(&noise)),
             sample_error: sum(&|m| m.sample_error),
+            // As if their samples' weights did not hang together.
+            spread: if b > 0.0 { sum(&|m| m.spread * m.b * m.b) / (b * b) } else { 0.0 },
             mutation_cost,
             sample_cost: most(|m| m.sample_cost),
         }
@@ -145,6 +149,7 @@ fn measure(mutations: u64, stats: &StratumStats, moments: &[Moments], rounds: u6
         b_stderr: stats.b_stderr(),
         chain_error: (rounds > 1).then_some(b * b * variance * mutations as f64),
         sample_error: square * stats.weight_variance(),
+        spread: if b > 0.0 { stats.weight_variance() / (b * b) } else { 0.0 },
         mutation_cost: each(stats.chain_work, stats.steps()),
         sample_cost: each(stats.sample_work, stats.samples),
     }

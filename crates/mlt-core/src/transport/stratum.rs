@@ -99,8 +99,14 @@ impl<'a> LightStratum<'a> {
     /// A uniform point of the stratum's part of the image, where the camera's end of a path is drawn again.
     #[inline]
     pub fn image_point(&self, rng: &mut impl Rng) -> Vec2 {
-        let PathClass { low, high, .. } = self.class;
+        let [low, high] = self.image_corners();
         low + (high - low) * Vec2::new(uniform_f32(rng), uniform_f32(rng))
+    }
+
+    /// The corners of that part with the smallest and the largest coordinates.
+    #[inline]
+    pub fn image_corners(&self) -> [Vec2; 2] {
+        [self.class.low, self.class.high]
     }
 
     /// Area of that part, of an image of 1.

@@ -11,6 +11,7 @@
 use super::super::camera::Camera;
 use super::super::math::{eighth_turn, frame, on_circle};
 use super::super::path::{LightPath, View};
+use super::super::stratum::LightStratum;
 use super::super::subpath::{follow_from_eye, follow_from_light, start_at_eye};
 use crate::engine::uniform_f32;
 use glam::{Vec2, Vec3A};
@@ -52,12 +53,21 @@ impl ImageMove {
         Self { range: [LEAST_PIXELS, largest], pixel: Vec2::new(w, h).recip() }
     }
 
-    /// A point some way from `image`; `None` outside the image.
+    /// A point some way from `image` in the rectangle between two corners, whose sides mirror what would leave it; `None` if one
+    /// reflection at a side does not bring it back.
+    ///
+    /// Mirrored at a side, y is reached from x as the mirror image y* is, and |y* − x| = |y − x*|: the way back has the same density.
     #[inline]
-    fn apply(&self, image: Vec2, rng: &mut impl Rng) -> Option<Vec2> {
+    fn apply(&self, image: Vec2, [low, high]: [Vec2; 2], rng: &mut impl Rng) -> Option<Vec2> {
         let distance = log_uniform(self.range, rng);
         let moved = image + distance * on_circle(uniform_f32(rng)) * self.pixel;
-        (moved.cmpge(Vec2::ZERO).all() && moved.cmplt(Vec2::ONE).all()).then_some(moved)
+        let inside = |p: Vec2| p.cmpge(low).all() && p.cmplt(high).all();
+        if inside(moved) {
+            return Some(moved);
+        }
+        let mirrored = Vec2::select(moved.cmplt(low), 2.0 * low - moved, moved);
+        let mirrored = Vec2::select(moved.cmpge(high), 2.0 * high - moved, mirrored);
+        inside(mirrored).then_some(mirrored)
     }
 }
 
@@ -84,17 +94,18 @@ impl<'a> FromEye<'a> {
         Self { view, moves: ImageMove::new(view.camera) }
     }
 
-    /// Replaces x_{k−1} … x_m by perturbed vertices. Then connects x_m to x_{m−1}, unless it is a light itself, and returns
-    /// T(y→x)/T(x→y).
+    /// Replaces x_{k−1} … x_m by perturbed vertices; on the image the path stays in the stratum's part. Then connects x_m to x_{m−1},
+    /// unless it is a light itself, and returns T(y→x)/T(x→y).
     pub(super) fn perturb(
         &self,
         current: &LightPath,
         proposal: &mut LightPath,
         m: usize,
+        within: &LightStratum,
         rng: &mut impl Rng,
     ) -> Option<f64> {
         let view = &self.view;
-        let image = self.moves.apply(current.image, rng)?;
+        let image = self.moves.apply(current.image, within.image_corners(), rng)?;
         let last = current.edges();
         proposal.clone_from(current);
         start_at_eye(&mut proposal.vertices, last, image, view)?;
@@ -192,4 +203,40 @@ fn density_from_light(view: &View, path: &LightPath, i: usize, l: usize) -> f64 
     }
     let given = -path.vertices[i - 2].to_eye;
     x.forward / f64::from(view.scene.event_probability(&before.vertex, given, before.to_eye))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Generator, Purpose, generator};
+    use glam::UVec2;
+
+    /// χ² of the counts in 8×8 cells, 63 degrees of freedom, of points that lay evenly in a tile before `step` moved them.
+    fn unevenness(step: impl Fn(&ImageMove, Vec2, [Vec2; 2], &mut Generator) -> Vec2) -> f64 {
+        const MOVED: u32 = 1_024_000;
+        let moves = ImageMove { range: [LEAST_PIXELS, 5.0], pixel: Vec2::splat(1.0 / 64.0) };
+        let corners @ [low, high] = [Vec2::new(0.25, 0.5), Vec2::new(0.5, 0.75)];
+        let mut rng = generator(3, Purpose::Chain, 0, 0, 0);
+        let mut counts = [0.0; 64];
+        for _ in 0..MOVED {
+            let x = low + (high - low) * Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng));
+            let moved = (step(&moves, x, corners, &mut rng) - low) / (high - low);
+            let cell = (8.0 * moved).as_uvec2().min(UVec2::splat(7));
+            counts[(cell.y * 8 + cell.x) as usize] += 1.0;
+        }
+        let expected = f64::from(MOVED) / 64.0;
+        counts.iter().map(|n: &f64| (n - expected).powi(2) / expected).sum()
+    }
+
+    /// A law that is the same there and back keeps an even spread even. The control stops at the tile's sides instead.
+    #[test]
+    fn image_moves_are_mirrored_at_the_sides() {
+        let mirrored =
+            unevenness(|moves, x, corners, rng| moves.apply(x, corners, rng).expect("one reflection will do"));
+        assert!(mirrored < 120.0, "{mirrored}");
+        let stopped = unevenness(|moves, x, [low, high], rng| {
+            moves.apply(x, [Vec2::splat(-1.0), Vec2::splat(2.0)], rng).expect("room").clamp(low, high)
+        });
+        assert!(stopped > 1000.0, "{stopped}");
+    }
 }

@@ -11,6 +11,7 @@
 //! Source: [VeachGuibas97], section 5.3.3.
 
 use super::super::path::{LightPath, View};
+use super::super::stratum::LightStratum;
 use super::follow::{FromEye, SUITABILITY};
 use rand_pcg::rand_core::Rng;
 
@@ -34,8 +35,14 @@ impl<'a> LensPerturbation<'a> {
     }
 
     /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
-    pub fn propose(&self, current: &LightPath, proposal: &mut LightPath, rng: &mut impl Rng) -> Option<f64> {
-        self.from_eye.perturb(current, proposal, first_diffuse(current, current.edges()), rng)
+    pub fn propose(
+        &self,
+        current: &LightPath,
+        proposal: &mut LightPath,
+        within: &LightStratum,
+        rng: &mut impl Rng,
+    ) -> Option<f64> {
+        self.from_eye.perturb(current, proposal, first_diffuse(current, current.edges()), within, rng)
     }
 }
 
@@ -52,7 +59,7 @@ pub(super) fn first_diffuse(path: &LightPath, i: usize) -> usize {
 mod tests {
     use super::super::super::strata::Stratification;
     use super::super::super::testing::{World, glass, glossy, lambert, mirror, pond, room, two_lights};
-    use super::super::super::tests::balance::imbalance;
+    use super::super::super::tests::balance::{imbalance, imbalance_in_tiles};
     use super::*;
     use crate::transport::Rgb;
 
@@ -72,21 +79,30 @@ mod tests {
             ("water", pond()),
             ("two lights", two_lights(glass(0.0), mirror())),
         ] {
-            let found = imbalance(&world, Stratification::Grid(2, 1), 15_000, |x, y, _, rng| {
-                suited(&world, x)?.propose(x, y, rng)
+            let found = imbalance(&world, Stratification::Grid(2, 1), 15_000, |x, y, within, rng| {
+                suited(&world, x)?.propose(x, y, within, rng)
             });
             found.assert_balanced(name);
         }
     }
 
     #[test]
+    fn flows_are_balanced_in_tiles() {
+        let world = room(mirror(), true);
+        let found =
+            imbalance_in_tiles(&world, 15_000, |x, y, within, rng| suited(&world, x)?.propose(x, y, within, rng));
+        found.assert_balanced("tiles");
+    }
+
+    #[test]
     fn a_ratio_without_the_densities_is_seen() {
         let world = pond();
-        let found = imbalance(&world, Stratification::None, 60_000, |x, y, _, rng| {
-            suited(&world, x)?.propose(x, y, rng).map(|_| 1.0)
+        let found = imbalance(&world, Stratification::None, 60_000, |x, y, within, rng| {
+            suited(&world, x)?.propose(x, y, within, rng).map(|_| 1.0)
         });
         found.assert_detected("without the densities");
     }
+
     #[test]
     fn a_ratio_without_the_probabilities_of_events_is_seen() {
         let world = pond();
@@ -97,8 +113,8 @@ mod tests {
             };
             (first_diffuse(path, path.edges()) + 1..path.edges()).map(|i| f64::from(probability(i))).product()
         };
-        let found = imbalance(&world, Stratification::None, 60_000, |x, y, _, rng| {
-            suited(&world, x)?.propose(x, y, rng).map(|ratio| ratio * events(x) / events(y))
+        let found = imbalance(&world, Stratification::None, 60_000, |x, y, within, rng| {
+            suited(&world, x)?.propose(x, y, within, rng).map(|ratio| ratio * events(x) / events(y))
         });
         found.assert_detected("without the probabilities of events");
     }

@@ -104,9 +104,9 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
     ) -> Option<f64> {
         match self {
             Self::Bidirectional(m) => m.propose(current, proposal, within, rng),
-            Self::Lens(m) => m.propose(current, proposal, rng),
+            Self::Lens(m) => m.propose(current, proposal, within, rng),
             Self::Caustic(m) => m.propose(current, proposal, rng),
-            Self::MultiChain(m) => m.propose(current, proposal, rng),
+            Self::MultiChain(m) => m.propose(current, proposal, within, rng),
         }
     }
 }
