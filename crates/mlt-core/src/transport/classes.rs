@@ -7,7 +7,7 @@ use glam::Vec2;
 /// Which classes path space is cut into, besides the lights' parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Classes {
-    /// By the number of edges: 1, 2, 3–4, 5–8, 9–16 and more; images of lights, of any length, apart.
+    /// By the number of edges: 1, 2 and more; images of lights, of any length, apart.
     pub lengths: bool,
     /// Columns and rows of tiles.
     pub tiles: [u32; 2],
