@@ -89,6 +89,7 @@
 //! ```
 
 pub mod engine;
+mod instructions;
 pub mod measure;
 pub mod primary;
 #[cfg(feature = "transport")]

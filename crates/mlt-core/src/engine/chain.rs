@@ -4,13 +4,13 @@ use super::agreement::{Half, log2};
 use super::{Importance, Mixture, Mutation, Path, Sink, Stratum, StratumStats, uniform};
 use rand_pcg::rand_core::Rng;
 
-/// A chain in one stratum. It owns two states and swaps them, so a step copies no more than its mutation does.
+/// A chain in one stratum. It owns two states and swaps their places, so a step copies no more than its mutation does.
 pub struct Chain<'a, P, S, M, I> {
     mixture: &'a Mixture<P, S, M>,
     importance: &'a I,
     stratum: &'a S,
-    current: P,
-    proposal: P,
+    current: Box<P>,
+    proposal: Box<P>,
     current_importance: f64,
     /// Σ of the mutations' suitabilities at `current`.
     current_total: f64,
@@ -37,9 +37,9 @@ where
             mixture,
             importance,
             stratum,
-            proposal: start.clone(),
+            proposal: Box::new(start.clone()),
             current_total: mixture.total(&start),
-            current: start,
+            current: Box::new(start),
             current_importance,
             level: log2(current_importance),
             half: Half::default(),
@@ -85,7 +85,7 @@ where
             self.stats.mutations[mutation].accepted += 1;
         } else {
             if acceptance > 0.0 {
-                deposit(&self.proposal, acceptance * scale / importance, sink);
+                deposit(&*self.proposal, acceptance * scale / importance, sink);
             }
             self.stats.mutations[mutation].rejected += 1;
             self.stay(Some(mutation));
@@ -95,7 +95,7 @@ where
     /// Deposits what the current state is still due, times `scale`.
     pub fn flush(&mut self, sink: &mut impl Sink<P::Splat>, scale: f64) {
         if self.pending > 0.0 {
-            deposit(&self.current, self.pending * scale / self.current_importance, sink);
+            deposit(&*self.current, self.pending * scale / self.current_importance, sink);
         }
         self.pending = 0.0;
     }

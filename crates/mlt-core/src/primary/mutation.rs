@@ -1,6 +1,6 @@
 //! Large and small steps.
 
-use super::stream::{Change, Perturbation};
+use super::stream::Perturbation;
 use super::{PrimaryPath, PrimaryStratum, Tracer};
 use crate::engine::Mutation;
 use rand_pcg::rand_core::Rng;
@@ -14,7 +14,7 @@ pub struct LargeStep {
 
 /// Each number u becomes u + d mod 1, with |d| log-uniform in (s₁, s₂] and either sign: T(x→y) = T(y→x).
 ///
-/// Numbers are moved when the tracer draws them; those beyond the ones that the current state used are fresh.
+/// Numbers beyond those that the current state has are fresh.
 ///
 /// Source: [KelemenSzirmayKalos02], section 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,10 +74,10 @@ where
         within: &PrimaryStratum<T>,
         rng: &mut impl Rng,
     ) -> Option<f64> {
-        let (from, change) = match self {
-            Self::Large(_) => (None, Change::Fresh),
-            Self::Small(step) => (Some(current), Change::Near(step.perturbation)),
+        let near = match self {
+            Self::Large(_) => None,
+            Self::Small(step) => Some((current, step.perturbation)),
         };
-        proposal.trace(from, change, &within.tracer, rng).then_some(1.0)
+        proposal.trace(near, &within.tracer, rng).then_some(1.0)
     }
 }

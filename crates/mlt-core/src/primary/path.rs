@@ -1,6 +1,6 @@
 //! States in primary sample space.
 
-use super::stream::Change;
+use super::stream::Perturbation;
 use super::{Output, Stream, Streams, Tracer};
 use crate::engine::{Importance, Path};
 use rand_pcg::rand_core::Rng;
@@ -42,17 +42,16 @@ impl<O: Output, const STREAMS: usize> PrimaryPath<O, STREAMS> {
         &self.output
     }
 
-    /// Traces numbers that follow from those of `current`, and records them; false where F = 0.
+    /// Traces fresh numbers, or numbers near those of a state, and records them; false where F = 0.
     #[inline]
     pub(super) fn trace(
         &mut self,
-        current: Option<&Self>,
-        change: Change,
+        near: Option<(&Self, Perturbation)>,
         tracer: &impl Tracer<STREAMS, Output = O>,
         rng: &mut impl Rng,
     ) -> bool {
         for (i, stream) in self.streams.iter_mut().enumerate() {
-            stream.begin(current.map(|path| &path.streams[i]), change, rng.next_u64());
+            stream.begin(near.map(|(path, perturbation)| (&path.streams[i], perturbation)), rng.next_u64());
         }
         let lit = tracer.trace(&mut self.streams, &mut self.output);
         self.streams.iter_mut().for_each(Stream::end);

@@ -1,6 +1,5 @@
 //! Strata of primary sample space.
 
-use super::stream::Change;
 use super::{PrimaryPath, Tracer};
 use crate::engine::Stratum;
 use rand_pcg::rand_core::Rng;
@@ -24,7 +23,7 @@ impl<T: Tracer<STREAMS>, const STREAMS: usize> Stratum<PrimaryPath<T::Output, ST
     /// Fresh numbers; their density is 1.
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&PrimaryPath<T::Output, STREAMS>, f64)) {
         let mut path = PrimaryPath::default();
-        if path.trace(None, Change::Fresh, &self.tracer, rng) {
+        if path.trace(None, &self.tracer, rng) {
             visit(&path, 1.0);
         }
     }

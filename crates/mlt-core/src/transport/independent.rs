@@ -1,12 +1,12 @@
 //! Independent samples of the image, in rounds: path tracing and bidirectional path tracing as estimators.
 
 use super::bdpt::Bidirectional;
-use super::instructions::{InstructionSet, Work};
 use super::kind::PathEnd;
 use super::low_discrepancy::OwenSobol;
 use super::pt::PathTracer;
 use super::scene::rays_traced;
 use crate::engine::{Deposits, Estimator, Purpose, Sink, Splat, generator, uniform_f32};
+use crate::instructions::{InstructionSet, Work};
 use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;
 use std::ops::Range;

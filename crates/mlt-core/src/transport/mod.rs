@@ -13,7 +13,6 @@ pub mod description;
 mod hilbert;
 pub mod importance;
 pub mod independent;
-mod instructions;
 pub mod kind;
 pub mod light;
 pub mod light_tree;

@@ -24,8 +24,8 @@ mod wide;
 #[cfg(test)]
 mod tests;
 
-use super::instructions::InstructionSet;
 use super::ray::{Hit, Ray};
+use crate::instructions::InstructionSet;
 use glam::Vec3;
 use wide::WideTree;
 

@@ -6,8 +6,8 @@
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]
-use super::super::instructions::Avx2;
-use super::super::instructions::{InstructionSet, Portable};
+use crate::instructions::Avx2;
+use crate::instructions::{InstructionSet, Portable};
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 

@@ -1,5 +1,5 @@
-use super::super::instructions::Portable;
 use super::*;
+use crate::instructions::Portable;
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use std::f32::consts::TAU;

@@ -14,12 +14,12 @@
 //! most walks are). Indices are checked: measured, that costs less than one per cent.
 #![allow(unsafe_code)]
 
-use super::super::instructions::{InstructionSet, Portable};
 use super::super::ray::{Hit, Ray};
 use super::binary::MAX_COORDINATE;
 use super::simd::{KEY_LANE, Simd, splat3};
 use super::watertight::{Nearest, Shear};
 use super::wide::{Child, Node, WideTree};
+use crate::instructions::{InstructionSet, Portable};
 use glam::Vec3A;
 use std::mem::MaybeUninit;
 
@@ -80,7 +80,7 @@ macro_rules! query {
 
         #[cfg(target_arch = "x86_64")]
         query!(
-            fn $avx2(super::super::instructions::Avx2) -> $answer, $walk, $scaled,
+            fn $avx2(crate::instructions::Avx2) -> $answer, $walk, $scaled,
             #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
         );
     };

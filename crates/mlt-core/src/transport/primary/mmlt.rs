@@ -12,8 +12,8 @@ use crate::engine::{Importance, Splat, uniform, uniform_f32};
 use crate::primary::{Output, Stream, Streams, Tracer};
 use glam::Vec2;
 
-/// Numbers of length and technique, of the light's subpath, of the camera's.
-const STREAMS: usize = 3;
+/// Numbers of length, technique and the light's subpath; of the camera's.
+const STREAMS: usize = 2;
 
 /// Scale of the law of lengths: P(K ≥ k) = (c/(k − 1 + c))².
 const LENGTH_SCALE: f64 = 6.0;
@@ -96,8 +96,8 @@ impl Output for Weighted {
 impl<I: Importance<LightPath>> Tracer<STREAMS> for Multiplexed<'_, I> {
     type Output = Weighted;
 
-    fn trace(&self, [choice, light, eye]: &mut Streams<STREAMS>, output: &mut Weighted) -> bool {
-        let technique = self.techniques.choose(uniform(choice), f64::from(uniform_f32(choice)));
+    fn trace(&self, [light, eye]: &mut Streams<STREAMS>, output: &mut Weighted) -> bool {
+        let technique = self.techniques.choose(uniform(light), f64::from(uniform_f32(light)));
         let Some(weight) = self.make(&technique, &mut output.path, light, eye) else {
             return false;
         };
