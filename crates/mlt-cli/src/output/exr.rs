@@ -25,9 +25,10 @@ use crate::image::Image;
 /// The first bytes of every OpenEXR file.
 pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// Lossless, rows from the top: what every reader of OpenEXR understands.
+/// Lossless, rows from the top: what every reader of OpenEXR understands. ZIP makes images of Monte Carlo noise 3 % smaller, in
+/// fifty times the time.
 const ENCODING: Encoding =
-    Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
 
 /// What an OpenEXR file of ours holds.
 #[derive(Clone, Debug, PartialEq)]

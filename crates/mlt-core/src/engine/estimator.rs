@@ -4,10 +4,12 @@ use super::{Deposits, Film};
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 
-/// Deposits that may wait for their merge, bytes.
-const WAITING_DEPOSITS: usize = 8 << 20;
-/// Tasks for each thread that rounds in flight have at least.
-const TASKS_A_THREAD: usize = 8;
+/// Deposits that may wait for their merge, bytes; more where that would not keep all threads busy.
+const WAITING_DEPOSITS: usize = 16 << 20;
+/// Tasks for each thread that rounds in flight have at least: at their end threads wait for the last task, half of one on average.
+const TASKS_A_THREAD: usize = 32;
+/// Tasks for each thread in a batch at least.
+const BATCH_A_THREAD: usize = 8;
 
 /// An unbiased estimator of the whole film that can be repeated independently.
 ///
@@ -76,8 +78,7 @@ pub fn render<const C: usize, E: Estimator<C>>(
             merger.film.drop_round();
             return Outcome::Stopped;
         }
-        let tasks_a_round = (tasks.len() / prepared.len()).max(1);
-        in_flight = (TASKS_A_THREAD * rayon::current_num_threads()).div_ceil(tasks_a_round) as u64;
+        in_flight = rounds_in_flight(rayon::current_num_threads(), tasks.len() / prepared.len());
         next = flight.end;
     }
     Outcome::Complete
@@ -106,7 +107,7 @@ impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
         tasks: &[(&Round<E, C>, usize)],
         buffers: &mut Vec<Deposits<C>>,
     ) -> ControlFlow<()> {
-        let batch = batch_size::<C>(self.estimator.task_deposits());
+        let batch = batch_size::<C>(rayon::current_num_threads(), self.estimator.task_deposits());
         if buffers.len() < batch.min(tasks.len()) {
             buffers.resize_with(batch.min(tasks.len()), || self.film.deposits());
         }
@@ -148,10 +149,16 @@ impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
     }
 }
 
-/// Tasks whose deposits fit the memory set aside for them, and enough to keep the threads busy.
-fn batch_size<const C: usize>(task_deposits: usize) -> usize {
+/// Rounds that are prepared and run together: enough for some tasks a thread.
+pub fn rounds_in_flight(threads: usize, tasks_a_round: usize) -> u64 {
+    (TASKS_A_THREAD * threads).div_ceil(tasks_a_round.max(1)) as u64
+}
+
+/// Tasks that run before their deposits are merged: those whose deposits fit the memory set aside for them, but enough to keep
+/// the threads busy. `task_deposits`: most deposits of a task.
+pub fn batch_size<const C: usize>(threads: usize, task_deposits: usize) -> usize {
     let bytes = task_deposits.max(1) * size_of::<super::Deposit<C>>();
-    (WAITING_DEPOSITS / bytes).min(256).max(2 * rayon::current_num_threads())
+    (WAITING_DEPOSITS / bytes).min(256).max(BATCH_A_THREAD * threads)
 }
 
 #[cfg(test)]

@@ -3,8 +3,12 @@
 use super::{Deposits, Lost};
 use rayon::prelude::*;
 
-/// Sites of a band: 2^13 sites of three f64 channels are 192 KiB.
-const BAND_SHIFT: u32 = 13;
+/// Most sites of a band, log₂: 2^13 sites of three f64 channels are 192 KiB.
+const MOST_SITES: u32 = 13;
+/// Least sites of a band, log₂: a list for each band and task has to be worth its while.
+const LEAST_SITES: u32 = 9;
+/// Bands of a small film, log₂: as many threads can merge into it at once.
+const BANDS: u32 = 6;
 
 /// Sums of rounds in fixed point, and the round that is being made.
 ///
@@ -18,6 +22,8 @@ pub struct Film<const C: usize> {
     weight: u64,
     rounds: u64,
     lost: Lost,
+    /// log₂ of the number of sites in a band, which one thread merges.
+    shift: u32,
 }
 
 /// Σ w X in 2⁻⁶⁰ units and Σ w X² in 2⁻⁶⁰ units².
@@ -59,7 +65,8 @@ impl<const C: usize> Film<C> {
         let unit = if unit.is_normal() && unit > 0.0 { libm::exp2(libm::floor(libm::log2(unit))) } else { 1.0 };
         let n = sites as usize;
         let (round, sums) = (vec![[0.0; C]; n], vec![[Sums::default(); C]; n]);
-        Self { round, sums, unit, weight: 0, rounds: 0, lost: Lost::default() }
+        let shift = (sites.checked_ilog2().unwrap_or(0)).saturating_sub(BANDS).clamp(LEAST_SITES, MOST_SITES);
+        Self { round, sums, unit, weight: 0, rounds: 0, lost: Lost::default(), shift }
     }
 
     /// Number of sites.
@@ -79,14 +86,15 @@ impl<const C: usize> Film<C> {
 
     /// An empty list for one task's deposits.
     pub fn deposits(&self) -> Deposits<C> {
-        Deposits::new(self.sites(), BAND_SHIFT)
+        Deposits::new(self.sites(), self.shift)
     }
 
     /// Adds tasks' deposits to the current round, in their order.
     pub fn add(&mut self, tasks: &[Deposits<C>]) {
         tasks.iter().for_each(|task| self.lost.merge(task.lost()));
-        self.round.par_chunks_mut(1 << BAND_SHIFT).enumerate().for_each(|(band, sites)| {
-            let first = band << BAND_SHIFT;
+        let shift = self.shift;
+        self.round.par_chunks_mut(1 << shift).enumerate().for_each(|(band, sites)| {
+            let first = band << shift;
             for deposit in tasks.iter().flat_map(|t| t.band(band)) {
                 let site = &mut sites[deposit.site as usize - first];
                 site.iter_mut().zip(deposit.value).for_each(|(s, v)| *s += f64::from(v));
@@ -99,7 +107,8 @@ impl<const C: usize> Film<C> {
     /// Var(X) ∝ 1/weight is assumed: a round's weight is its number of samples.
     pub fn close_round(&mut self, weight: u64) {
         let scale = 1.0 / self.unit;
-        let bands = self.round.par_chunks_mut(1 << BAND_SHIFT).zip(self.sums.par_chunks_mut(1 << BAND_SHIFT));
+        let sites = 1 << self.shift;
+        let bands = self.round.par_chunks_mut(sites).zip(self.sums.par_chunks_mut(sites));
         bands.for_each(|(round, sums)| {
             for (x, s) in round.iter_mut().flatten().zip(sums.iter_mut().flatten()) {
                 let value = std::mem::take(x) * scale;

@@ -30,7 +30,7 @@ pub use agreement::HalfChains;
 pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, MUTATIONS_A_SAMPLE, allocate, shares_by_power};
 pub use chain::Chain;
 pub use deposit::{Deposit, Deposits, Lost, Sink};
-pub use estimator::{Estimator, Observer, Outcome, Progress, render};
+pub use estimator::{Estimator, Observer, Outcome, Progress, batch_size, render, rounds_in_flight};
 pub use film::{Film, Pixel};
 pub use importance::Importance;
 pub use key::{Generator, Purpose, generator, uniform, uniform_f32};
