@@ -1,6 +1,7 @@
 //! The image files of a render.
 
 use mlt_core::{engine::Film, transport::render::standard_errors};
+use rayon::prelude::*;
 
 use super::{Plan, Setup, session::Finished};
 use crate::{
@@ -11,7 +12,7 @@ use crate::{
     report::Report,
 };
 
-/// Writes all files and names them in the report. One that cannot be written does not stop the others.
+/// Writes all files, on the current rayon pool, and names them in the report. One that cannot be written does not stop the others.
 pub fn write(options: &RenderOptions, setup: &Setup, finished: Finished) -> Result<Report, Failure> {
     let Finished { film, mut report, per_pixel, .. } = finished;
     let (image, stderr) = develop(film, setup)?;
@@ -39,8 +40,8 @@ pub fn write(options: &RenderOptions, setup: &Setup, finished: Finished) -> Resu
 pub fn develop(mut film: Film<3>, setup: &Setup) -> anyhow::Result<(Image, Option<Vec<[f32; 3]>>)> {
     film.finish();
     let [width, height] = setup.camera.size().map(|n| n as usize);
-    let pixels = || (0..film.sites() as usize).map(|i| film.pixel(i));
-    let image = Image::new(width, height, pixels().map(|p| p.map(|c| c.mean as f32)).collect())?;
+    let pixels = (0..film.sites() as usize).into_par_iter().map(|i| film.pixel(i).map(|c| c.mean as f32));
+    let image = Image::new(width, height, pixels.collect())?;
     let errors = || standard_errors(&film, setup.camera.size()).into_iter().map(|e| e.map(|x| x as f32)).collect();
     let stderr = (film.rounds() > 1).then(errors);
     Ok((image, stderr))

@@ -33,7 +33,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let interrupt = Interrupt::install()?;
     let finished = pool.install(|| session::run(options, &setup, plan, &interrupt))?;
     let interrupted = finished.report.interrupted;
-    let report = files::write(options, &setup, finished)?;
+    let report = pool.install(|| files::write(options, &setup, finished))?;
     show(options, &report)?;
     if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }

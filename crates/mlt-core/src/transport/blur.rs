@@ -1,26 +1,41 @@
 //! Smooth images from noisy ones.
 
-/// Means over squares of 2·`radius` + 1 pixels a side, cut off at the image's border.
+use rayon::prelude::*;
+
+/// Means over squares of 2·`radius` + 1 pixels a side, cut off at the image's border: along rows, then along columns, from
+/// running sums.
 pub(super) fn blurred(image: &[f64], [width, height]: [u32; 2], radius: usize) -> Vec<f64> {
     let (width, height) = (width as usize, height as usize);
-    let rows: Vec<_> = image.chunks(width).flat_map(|row| running_means(row.iter().copied(), radius)).collect();
-    let mut result = vec![0.0; image.len()];
-    for x in 0..width {
-        let column = (0..height).map(|y| rows[y * width + x]);
-        running_means(column, radius).into_iter().enumerate().for_each(|(y, mean)| result[y * width + x] = mean);
+    // The sums of columns up to each row, below a row of zeros.
+    let mut sums = vec![0.0; (height + 1) * width];
+    let rows = sums.par_chunks_mut(width).skip(1).zip(image.par_chunks(width));
+    rows.for_each_init(Vec::new, |running, (means, row)| row_means(row, radius, running, means));
+    for i in width..sums.len() {
+        sums[i] += sums[i - width];
     }
+    let mut result = vec![0.0; image.len()];
+    result.par_chunks_mut(width).enumerate().for_each(|(y, means)| {
+        let [low, high] = window(y, radius, height);
+        let [below, above] = [low, high].map(|y| &sums[y * width..][..width]);
+        means.iter_mut().enumerate().for_each(|(x, m)| *m = (above[x] - below[x]) / (high - low) as f64);
+    });
     result
 }
 
-fn running_means(values: impl Iterator<Item = f64>, radius: usize) -> Vec<f64> {
-    let mut sums = vec![0.0];
-    values.for_each(|v| sums.push(sums[sums.len() - 1] + v));
-    let n = sums.len() - 1;
-    let mean = |i: usize| {
-        let (low, high) = (i.saturating_sub(radius), (i + radius + 1).min(n));
-        (sums[high] - sums[low]) / (high - low) as f64
-    };
-    (0..n).map(mean).collect()
+/// Means of a row; `running` is scratch for its running sums.
+fn row_means(row: &[f64], radius: usize, running: &mut Vec<f64>, means: &mut [f64]) {
+    running.clear();
+    running.push(0.0);
+    row.iter().for_each(|v| running.push(running[running.len() - 1] + v));
+    for (x, mean) in means.iter_mut().enumerate() {
+        let [low, high] = window(x, radius, row.len());
+        *mean = (running[high] - running[low]) / (high - low) as f64;
+    }
+}
+
+/// The first index of the window around `i`, and the one after its last, of `n`.
+fn window(i: usize, radius: usize, n: usize) -> [usize; 2] {
+    [i.saturating_sub(radius), (i + radius + 1).min(n)]
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::super::blur::blurred;
 use crate::engine::{self, Film};
+use rayon::prelude::*;
 
 /// Half the sides of the squares around a pixel that no round has lit, until one of them has light.
 const RADII: [usize; 4] = [1, 2, 4, 8];
@@ -31,9 +32,12 @@ pub fn relative_error(film: &Film<3>) -> f64 {
 /// The spread of rounds that all found nothing is 0, which is no bar at all. Such a pixel takes the root of the mean square of
 /// the errors around it, in the smallest square of 3, 5, 9 or 17 pixels a side that has light.
 pub fn standard_errors(film: &Film<3>, size: [u32; 2]) -> Vec<[f64; 3]> {
-    let pixels: Vec<_> = (0..film.sites() as usize).map(|i| film.pixel(i)).collect();
-    let mut errors: Vec<[f64; 3]> = pixels.iter().map(|channels| channels.map(|c| c.stderr)).collect();
-    let mut unlit: Vec<usize> = (0..pixels.len()).filter(|&i| pixels[i].iter().all(|c| c.mean == 0.0)).collect();
+    let pixel = |i: usize| {
+        let channels = film.pixel(i);
+        (channels.map(|c| c.stderr), channels.iter().all(|c| c.mean == 0.0))
+    };
+    let (mut errors, dark): (Vec<_>, Vec<_>) = (0..film.sites() as usize).into_par_iter().map(pixel).unzip();
+    let mut unlit: Vec<usize> = (0..dark.len()).filter(|&i| dark[i]).collect();
     if unlit.is_empty() {
         return errors;
     }
@@ -45,6 +49,9 @@ pub fn standard_errors(film: &Film<3>, size: [u32; 2]) -> Vec<[f64; 3]> {
             errors[i] = around.each_ref().map(|channel| channel[i].max(0.0).sqrt());
             errors[i] == [0.0; 3]
         });
+        if unlit.is_empty() {
+            break;
+        }
     }
     errors
 }
