@@ -4,6 +4,7 @@ use mlt_core::{
     engine::Film,
     transport::{Rgb, luminance},
 };
+use rayon::prelude::*;
 
 use crate::report::Agreement;
 
@@ -39,11 +40,22 @@ impl Grid {
         (y * self.cut[1] / self.size[1]) * self.cut[0] + x * self.cut[0] / self.size[0]
     }
 
-    /// Σ over the pixels of each block, over the number of the image's pixels.
-    pub fn shares(&self, pixels: impl Iterator<Item = f64>) -> Vec<f64> {
+    /// Σ over the pixels of each block of their values, over the number of the image's pixels. Rows are summed on all threads,
+    /// and then in their order.
+    pub fn shares(&self, value: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
+        let ([width, height], columns) = (self.size, self.cut[0]);
+        let row = |y: usize| {
+            let mut sums = vec![0.0; columns];
+            (0..width).for_each(|x| sums[x * columns / width] += value(y * width + x));
+            sums
+        };
+        let sums_of_rows: Vec<_> = (0..height).into_par_iter().map(row).collect();
         let mut sums = vec![0.0; self.count()];
-        pixels.enumerate().for_each(|(pixel, value)| sums[self.block(pixel)] += value);
-        let n = (self.size[0] * self.size[1]) as f64;
+        for (y, row) in sums_of_rows.iter().enumerate() {
+            let blocks = &mut sums[self.block(y * width)..];
+            blocks.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+        }
+        let n = (width * height) as f64;
         sums.into_iter().map(|sum| sum / n).collect()
     }
 }
@@ -71,9 +83,8 @@ impl Blocks {
         if film.rounds() == self.seen || self.rounds.len() == MOST_ROUNDS {
             return;
         }
-        let pixels = (0..film.sites() as usize)
-            .map(|i| f64::from(luminance(Rgb::from_array(film.mean(i).map(|channel| channel as f32)))));
-        let sums: Vec<f64> = self.grid.shares(pixels).iter().map(|mean| mean * film.rounds() as f64).collect();
+        let level = |i: usize| f64::from(luminance(Rgb::from_array(film.mean(i).map(|channel| channel as f32))));
+        let sums: Vec<f64> = self.grid.shares(level).iter().map(|mean| mean * film.rounds() as f64).collect();
         if film.rounds() == self.seen + 1 {
             self.rounds.push(sums.iter().zip(&self.sums).map(|(now, before)| now - before).collect());
         }
@@ -158,7 +169,7 @@ mod tests {
         let grid = Grid::new([5, 3], 4);
         let blocks: Vec<usize> = (0..15).map(|pixel| grid.block(pixel)).collect();
         assert_eq!((grid.count(), blocks[0], blocks[14]), (12, 0, 11));
-        let shares = grid.shares((0..15).map(|_| 1.0));
+        let shares = grid.shares(|_| 1.0);
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{shares:?}");
     }
 }

@@ -71,7 +71,7 @@ type Table = Vec<Vec<f64>>;
 pub fn bias(evidence: &Evidence) -> Bias {
     let grid = evidence.regions();
     let table = |images: &mut dyn Iterator<Item = &[f64]>| -> Table {
-        images.map(|image| with_total(grid.shares(image.iter().copied()))).collect()
+        images.map(|image| with_total(grid.shares(|i| image[i]))).collect()
     };
     let (a, b) = (table(&mut evidence.images()), table(&mut evidence.references()));
     let tests = tests(&a, &b);
@@ -238,7 +238,7 @@ fn inject(evidence: &Evidence, a: &Table, b: &Table) -> Option<Injected> {
     if !share.is_finite() {
         return None;
     }
-    let error = with_total(evidence.regions().shares(strongest.pixels.iter().map(|x| x * INJECTED)));
+    let error = with_total(evidence.regions().shares(|i| strongest.pixels[i] * INJECTED));
     let shift = |(column, x): (usize, &f64)| x - mean(a, column) + mean(b, column) + error[column];
     let wrong: Table = a.iter().map(|row| row.iter().enumerate().map(shift).collect()).collect();
     let p = corrected(&tests(&wrong, b));

@@ -71,7 +71,7 @@ impl<const C: usize> Deposits<C> {
     }
 
     /// Forgets the deposits and keeps the memory.
-    pub(super) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.bands.iter_mut().for_each(Vec::clear);
         self.lost = Lost::default();
     }
