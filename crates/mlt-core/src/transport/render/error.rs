@@ -54,11 +54,11 @@ pub fn standard_errors(film: &Film<3>, size: [u32; 2]) -> Vec<[f64; 3]> {
     let square = |x: f64| if x.is_finite() { x * x } else { 0.0 };
     let squares = [0, 1, 2].map(|c| errors.iter().map(|e| square(e[c])).collect::<Vec<_>>());
     for radius in RADII {
-        let around = squares.each_ref().map(|channel| blurred(channel, size, radius));
-        unlit.retain(|&i| {
-            errors[i] = around.each_ref().map(|channel| channel[i].max(0.0).sqrt());
-            errors[i] == [0.0; 3]
-        });
+        for (channel, squares) in squares.iter().enumerate() {
+            let around = blurred(squares, size, radius);
+            unlit.iter().for_each(|&i| errors[i][channel] = around[i].max(0.0).sqrt());
+        }
+        unlit.retain(|&i| errors[i] == [0.0; 3]);
         if unlit.is_empty() {
             break;
         }
