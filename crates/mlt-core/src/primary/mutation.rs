@@ -76,7 +76,7 @@ where
     ) -> Option<f64> {
         let near = match self {
             Self::Large(_) => None,
-            Self::Small(step) => Some((current, step.perturbation)),
+            Self::Small(step) => Some((current, &step.perturbation)),
         };
         proposal.trace(near, &within.tracer, rng).then_some(1.0)
     }

@@ -46,7 +46,7 @@ impl<O: Output, const STREAMS: usize> PrimaryPath<O, STREAMS> {
     #[inline]
     pub(super) fn trace(
         &mut self,
-        near: Option<(&Self, Perturbation)>,
+        near: Option<(&Self, &Perturbation)>,
         tracer: &impl Tracer<STREAMS, Output = O>,
         rng: &mut impl Rng,
     ) -> bool {

@@ -35,7 +35,7 @@ impl Perturbation {
     ///
     /// 2^x is 2^⌊x⌋ (1 + x − ⌊x⌋) here, exact at whole x: any law that does not depend on the number will do.
     #[inline(always)]
-    pub(super) fn apply(self, number: u32, random: u32) -> u32 {
+    pub(super) fn apply(&self, number: u32, random: u32) -> u32 {
         let [log_places, xi_places] = PLACES;
         let log = self.largest - (random >> (32 - xi_places)) * self.octaves;
         let one_and_fraction = 1 << 31 | log << (32 - log_places) >> 1;
@@ -80,7 +80,7 @@ impl Clone for Stream {
 impl Stream {
     /// Starts anew, with numbers near those of a state's stream ahead.
     #[inline(always)]
-    pub(super) fn begin(&mut self, near: Option<(&Self, Perturbation)>, key: u64) {
+    pub(super) fn begin(&mut self, near: Option<(&Self, &Perturbation)>, key: u64) {
         self.blocks.clear();
         (self.drawn, self.key) = (0, key);
         if let Some((Self { blocks: from, .. }, perturbation)) = near {
@@ -138,10 +138,12 @@ impl Work for Fresh<'_> {
 }
 
 /// The numbers of all blocks of a state, each moved a little.
+///
+/// What a call passes through memory and reads back as one vector has to be waited for: so the law is referred to.
 struct Moved<'a> {
     from: &'a [Block],
     to: &'a mut Vec<Block>,
-    perturbation: Perturbation,
+    perturbation: &'a Perturbation,
     key: u64,
 }
 
