@@ -1,6 +1,7 @@
 //! One Metropolis–Hastings chain.
 
 use super::agreement::{Half, log2};
+use super::mixture::Suitabilities;
 use super::{Importance, Mixture, Mutation, Path, Sink, Stratum, StratumStats, uniform};
 use rand_pcg::rand_core::Rng;
 
@@ -9,17 +10,21 @@ pub struct Chain<'a, P, S, M, I> {
     mixture: &'a Mixture<P, S, M>,
     importance: &'a I,
     stratum: &'a S,
-    current: Box<P>,
-    proposal: Box<P>,
-    current_importance: f64,
-    /// Σ of the mutations' suitabilities at `current`.
-    current_total: f64,
+    current: Box<State<P>>,
+    proposal: Box<State<P>>,
     /// log₂ I at `current`, and over the states of this half.
     level: f64,
     half: Half,
     pending: f64,
     rejections: Rejections,
     stats: StratumStats,
+}
+
+/// A path, and what depends on it alone.
+struct State<P> {
+    path: P,
+    importance: f64,
+    suitabilities: Suitabilities,
 }
 
 impl<'a, P, S, M, I> Chain<'a, P, S, M, I>
@@ -31,17 +36,19 @@ where
 {
     /// A chain that starts at `start`; `None` if that state's importance is not positive and finite in the stratum.
     pub fn new(mixture: &'a Mixture<P, S, M>, importance: &'a I, stratum: &'a S, start: P) -> Option<Self> {
-        let current_importance = importance.eval(&start);
-        let valid = current_importance > 0.0 && current_importance.is_finite() && stratum.contains(&start);
+        let value = importance.eval(&start);
+        let valid = value > 0.0 && value.is_finite() && stratum.contains(&start);
+        let state = |path| {
+            let suitabilities = mixture.suitabilities(&path);
+            Box::new(State { path, importance: value, suitabilities })
+        };
         valid.then(|| Self {
             mixture,
             importance,
             stratum,
-            proposal: Box::new(start.clone()),
-            current_total: mixture.total(&start),
-            current: Box::new(start),
-            current_importance,
-            level: log2(current_importance),
+            proposal: state(start.clone()),
+            current: state(start),
+            level: log2(value),
             half: Half::default(),
             pending: 0.0,
             rejections: Rejections { of_any: 0, of_each: vec![0; mixture.mutations().len()] },
@@ -51,7 +58,7 @@ where
 
     /// The state that the chain stands at.
     pub fn current(&self) -> &P {
-        &self.current
+        &self.current.path
     }
 
     /// One Metropolis–Hastings step; deposits both states by expected value, times `scale`.
@@ -66,7 +73,7 @@ where
     }
 
     fn advance(&mut self, sink: &mut impl Sink<P::Splat>, scale: f64, rng: &mut impl Rng) {
-        let Candidate { mutation, importance, total, acceptance } = match self.propose(rng) {
+        let Candidate { mutation, acceptance } = match self.propose(rng) {
             Ok(candidate) => candidate,
             Err(mutation) => {
                 self.pending += 1.0;
@@ -77,15 +84,14 @@ where
         if uniform(rng) < acceptance {
             self.flush(sink, scale);
             std::mem::swap(&mut self.current, &mut self.proposal);
-            (self.current_importance, self.current_total) = (importance, total);
-            self.level = log2(importance);
+            self.level = log2(self.current.importance);
             self.pending = acceptance;
             self.rejections.of_any = 0;
             self.rejections.of_each[mutation] = 0;
             self.stats.mutations[mutation].accepted += 1;
         } else {
             if acceptance > 0.0 {
-                deposit(&*self.proposal, acceptance * scale / importance, sink);
+                self.proposal.deposit(acceptance * scale, sink);
             }
             self.stats.mutations[mutation].rejected += 1;
             self.stay(Some(mutation));
@@ -95,7 +101,7 @@ where
     /// Deposits what the current state is still due, times `scale`.
     pub fn flush(&mut self, sink: &mut impl Sink<P::Splat>, scale: f64) {
         if self.pending > 0.0 {
-            deposit(&*self.current, self.pending * scale / self.current_importance, sink);
+            self.current.deposit(self.pending * scale, sink);
         }
         self.pending = 0.0;
     }
@@ -124,29 +130,42 @@ where
 
     /// Writes a proposal; where there is none that could be accepted, which is counted here, the mutation that failed.
     fn propose(&mut self, rng: &mut impl Rng) -> Result<Candidate, Option<usize>> {
-        let Some((chosen, suitability)) = self.mixture.select(&self.current, self.current_total, rng) else {
-            self.stats.idle += 1;
+        let Self { mixture, importance, stratum, current, proposal, stats, .. } = self;
+        let Some(mutation) = current.suitabilities.choose(rng) else {
+            stats.idle += 1;
             return Err(None);
         };
-        let mutation = &self.mixture.mutations()[chosen];
-        let proposed = mutation.propose(&self.current, &mut self.proposal, self.stratum, rng);
-        let stats = &mut self.stats.mutations[chosen];
+        let proposed = mixture.mutations()[mutation].propose(&current.path, &mut proposal.path, stratum, rng);
+        let stats = &mut stats.mutations[mutation];
         let Some(ratio) = proposed else {
             stats.failed += 1;
-            return Err(Some(chosen));
+            return Err(Some(mutation));
         };
-        let inside = self.stratum.contains(&self.proposal);
-        let importance = if inside { self.importance.eval(&self.proposal) } else { 0.0 };
-        // p_m(y) / p_m(x) = s_m(y) Σ_n s_n(x) / (s_m(x) Σ_n s_n(y)); what s_m(y) = 0 says of the way back comes before a total of 0.
-        let total = self.mixture.total(&self.proposal);
-        let weight = mutation.suitability(&self.proposal) * self.current_total;
-        let flow = importance * ratio * weight;
-        let acceptance = if flow == 0.0 { 0.0 } else { flow / (self.current_importance * suitability * total) };
-        if !(importance.is_finite() && acceptance.is_finite() && acceptance >= 0.0) {
+        let inside = stratum.contains(&proposal.path);
+        proposal.importance = if inside { importance.eval(&proposal.path) } else { 0.0 };
+        let flow = proposal.importance * ratio;
+        let acceptance = if flow == 0.0 {
+            0.0
+        } else {
+            mixture.weigh(&proposal.path, &mut proposal.suitabilities);
+            // p_m(y) / p_m(x) = s_m(y) Σ_n s_n(x) / (s_m(x) Σ_n s_n(y)); what s_m(y) = 0 says of the way back comes before a total of 0.
+            let (x, y) = (&current.suitabilities, &proposal.suitabilities);
+            let flow = flow * (y.each[mutation] * x.total);
+            if flow == 0.0 { 0.0 } else { flow / (current.importance * x.each[mutation] * y.total) }
+        };
+        if !(proposal.importance.is_finite() && acceptance.is_finite() && acceptance >= 0.0) {
             stats.non_finite += 1;
-            return Err(Some(chosen));
+            return Err(Some(mutation));
         }
-        Ok(Candidate { mutation: chosen, importance, total, acceptance: acceptance.min(1.0) })
+        Ok(Candidate { mutation, acceptance: acceptance.min(1.0) })
+    }
+}
+
+impl<P: Path> State<P> {
+    /// Deposits it with a weight of `due` over its importance.
+    fn deposit(&self, due: f64, sink: &mut impl Sink<P::Splat>) {
+        let weight = due / self.importance;
+        self.path.splats().for_each(|splat| sink.deposit(splat, weight));
     }
 }
 
@@ -161,14 +180,7 @@ struct Rejections {
 /// A proposal that the chain may accept.
 struct Candidate {
     mutation: usize,
-    importance: f64,
-    /// Σ of the mutations' suitabilities there.
-    total: f64,
     acceptance: f64,
-}
-
-fn deposit<P: Path>(path: &P, weight: f64, sink: &mut impl Sink<P::Splat>) {
-    path.splats().for_each(|splat| sink.deposit(splat, weight));
 }
 
 #[cfg(test)]

@@ -23,23 +23,40 @@ impl<P, S, M: Mutation<P, S>> Mixture<P, S, M> {
         &self.mutations
     }
 
-    /// Draws m with probability p_m(x); returns it with s_m(x). `total`: Σ_n s_n(x). `None` where no mutation applies.
-    #[inline]
-    pub(super) fn select(&self, path: &P, total: f64, rng: &mut impl Rng) -> Option<(usize, f64)> {
-        let mut remaining = uniform(rng) * total;
-        for (m, mutation) in self.mutations.iter().enumerate() {
-            let suitability = mutation.suitability(path);
-            if remaining < suitability {
-                return Some((m, suitability));
-            }
-            remaining -= suitability;
-        }
-        None
+    /// s_m(x) of each mutation.
+    pub(super) fn suitabilities(&self, path: &P) -> Suitabilities {
+        let mut suitabilities = Suitabilities { each: vec![0.0; self.mutations.len()], total: 0.0 };
+        self.weigh(path, &mut suitabilities);
+        suitabilities
     }
 
-    /// Σ_n s_n(x).
+    /// Writes s_m(x) of each mutation.
     #[inline]
-    pub(super) fn total(&self, path: &P) -> f64 {
-        self.mutations.iter().map(|m| m.suitability(path)).sum()
+    pub(super) fn weigh(&self, path: &P, into: &mut Suitabilities) {
+        into.total = 0.0;
+        for (mutation, each) in self.mutations.iter().zip(&mut into.each) {
+            *each = mutation.suitability(path);
+            into.total += *each;
+        }
+    }
+}
+
+/// s_m(x) of all mutations at one state.
+pub(super) struct Suitabilities {
+    pub(super) each: Vec<f64>,
+    /// Σ_n s_n(x).
+    pub(super) total: f64,
+}
+
+impl Suitabilities {
+    /// Draws m with probability p_m(x). `None` where no mutation applies.
+    #[inline]
+    pub(super) fn choose(&self, rng: &mut impl Rng) -> Option<usize> {
+        let mut remaining = uniform(rng) * self.total;
+        self.each.iter().position(|&suitability| {
+            let chosen = remaining < suitability;
+            remaining -= suitability;
+            chosen
+        })
     }
 }

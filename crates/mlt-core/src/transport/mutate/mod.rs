@@ -84,7 +84,7 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn suitability(&self, current: &LightPath) -> f64 {
         match self {
             Self::Bidirectional(m) => m.suitability(current),
