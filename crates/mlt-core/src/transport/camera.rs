@@ -95,8 +95,14 @@ impl Camera {
     /// Unit direction through a point of the image, given in [0, 1)² from the top left corner.
     #[inline]
     pub fn direction(&self, image: Vec2) -> Vec3A {
+        self.ray(image).normalize()
+    }
+
+    /// The same direction with the length that takes it to the plane at distance 1.
+    #[inline]
+    pub(super) fn ray(&self, image: Vec2) -> Vec3A {
         let p = 2.0 * image - Vec2::ONE;
-        (self.vertex.geometric_normal + p.x * self.right + p.y * self.down).normalize()
+        self.vertex.geometric_normal + p.x * self.right + p.y * self.down
     }
 
     /// The point of the image that a direction from the pinhole passes through; `None` outside the image.

@@ -146,7 +146,7 @@ impl Scene {
         self.lights.power() / (4.0 * radius * radius * std::f64::consts::PI.powi(2))
     }
 
-    /// The first surface along a direction from a vertex.
+    /// The first surface along a direction, of any length, from a vertex.
     #[inline(always)]
     pub fn trace(&self, from: &Vertex, direction: Vec3A) -> Option<Vertex> {
         RAYS.set(RAYS.get() + 1);

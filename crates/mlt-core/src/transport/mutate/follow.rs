@@ -21,8 +21,10 @@ use std::f32::consts::PI;
 /// How often a perturbation is chosen where it applies, relative to the bidirectional mutation: it costs less and is accepted
 /// three times as often.
 pub(super) const SUITABILITY: f64 = 4.0;
-/// Least and largest angle of a turn, radians.
-const TURN: [f32; 2] = [1e-3, 0.3];
+/// Least angle of a turn, radians.
+const LEAST_TURN: f32 = 1e-3;
+/// Largest angle of a turn, radians.
+const LARGEST_TURN: f32 = 0.3;
 /// Shortest move on the image, pixels: shorter ones are accepted, but leave the pixel's colour as it was.
 const LEAST_PIXELS: f32 = 1.0;
 /// Area of the largest move on the image, as a share of the image.
@@ -31,17 +33,18 @@ const LARGEST_SHARE: f32 = 0.02;
 /// `unit` turned by an angle of density ∝ 1/θ, uniformly about it. The density per solid angle depends on θ alone, so it is
 /// that of the way back.
 pub(super) fn turned(unit: Vec3A, rng: &mut impl Rng) -> Vec3A {
-    let Vec2 { x: cos, y: sin } = eighth_turn(log_uniform(TURN, rng));
+    const ANGLE: LogUniform = LogUniform::new(LEAST_TURN, LARGEST_TURN);
+    let Vec2 { x: cos, y: sin } = eighth_turn(ANGLE.draw(rng));
     let about = on_circle(uniform_f32(rng));
     let (s, t) = frame(unit);
-    (cos * unit + sin * (about.x * s + about.y * t)).normalize()
+    cos * unit + sin * (about.x * s + about.y * t)
 }
 
 /// The law of moves on an image: by a distance with density ∝ 1/r, in pixels, in any direction.
 #[derive(Clone, Copy, Debug)]
 struct ImageMove {
-    /// Shortest and longest, pixels.
-    range: [f32; 2],
+    /// In pixels.
+    distance: LogUniform,
     /// Size of a pixel, in [0, 1)².
     pixel: Vec2,
 }
@@ -50,7 +53,7 @@ impl ImageMove {
     fn new(camera: &Camera) -> Self {
         let [w, h] = camera.size().map(|n| n as f32);
         let largest = (LARGEST_SHARE * w * h / PI).sqrt().max(2.0 * LEAST_PIXELS);
-        Self { range: [LEAST_PIXELS, largest], pixel: Vec2::new(w, h).recip() }
+        Self { distance: LogUniform::new(LEAST_PIXELS, largest), pixel: Vec2::new(w, h).recip() }
     }
 
     /// A point some way from `image` in the rectangle between two corners, whose sides mirror what would leave it; `None` if one
@@ -59,7 +62,7 @@ impl ImageMove {
     /// Mirrored at a side, y is reached from x as the mirror image y* is, and |y* − x| = |y − x*|: the way back has the same density.
     #[inline]
     fn apply(&self, image: Vec2, [low, high]: [Vec2; 2], rng: &mut impl Rng) -> Option<Vec2> {
-        let distance = log_uniform(self.range, rng);
+        let distance = self.distance.draw(rng);
         let moved = image + distance * on_circle(uniform_f32(rng)) * self.pixel;
         let inside = |p: Vec2| p.cmpge(low).all() && p.cmplt(high).all();
         if inside(moved) {
@@ -72,14 +75,27 @@ impl ImageMove {
 }
 
 /// A number between two, of density ∝ 1/r but for 0.3 %: any law will do that does not depend on the state.
-fn log_uniform([least, largest]: [f32; 2], rng: &mut impl Rng) -> f32 {
-    // log₂ from the bits, exact at powers of two and up to 0.09 too small between them.
-    let octaves = (largest / least).to_bits() as f32 * (1.0 / (1u32 << 23) as f32) - 127.0;
-    let x = octaves * uniform_f32(rng);
-    let whole = x as i32;
-    let f = x - whole as f32;
-    let power = f32::from_bits(((127 - whole) as u32) << 23);
-    largest * power * (1.0 - f * (0.6716 - 0.1716 * f))
+#[derive(Clone, Copy, Debug)]
+struct LogUniform {
+    largest: f32,
+    /// log₂ of the largest over the least.
+    octaves: f32,
+}
+
+impl LogUniform {
+    const fn new(least: f32, largest: f32) -> Self {
+        // log₂ from the bits, exact at powers of two and up to 0.09 too small between them.
+        Self { largest, octaves: (largest / least).to_bits() as f32 * (1.0 / (1u32 << 23) as f32) - 127.0 }
+    }
+
+    #[inline]
+    fn draw(&self, rng: &mut impl Rng) -> f32 {
+        let x = self.octaves * uniform_f32(rng);
+        let whole = x as i32;
+        let f = x - whole as f32;
+        let power = f32::from_bits(((127 - whole) as u32) << 23);
+        self.largest * power * (1.0 - f * (0.6716 - 0.1716 * f))
+    }
 }
 
 /// Perturbations that begin at the camera: the camera ray is moved, and what leaves a diffuse vertex is turned.
@@ -214,7 +230,7 @@ mod tests {
     /// χ² of the counts in 8×8 cells, 63 degrees of freedom, of points that lay evenly in a tile before `step` moved them.
     fn unevenness(step: impl Fn(&ImageMove, Vec2, [Vec2; 2], &mut Generator) -> Vec2) -> f64 {
         const MOVED: u32 = 1_024_000;
-        let moves = ImageMove { range: [LEAST_PIXELS, 5.0], pixel: Vec2::splat(1.0 / 64.0) };
+        let moves = ImageMove { distance: LogUniform::new(LEAST_PIXELS, 5.0), pixel: Vec2::splat(1.0 / 64.0) };
         let corners @ [low, high] = [Vec2::new(0.25, 0.5), Vec2::new(0.5, 0.75)];
         let mut rng = generator(3, Purpose::Chain, 0, 0, 0);
         let mut counts = [0.0; 64];
