@@ -41,6 +41,8 @@ pub(super) struct Scratch {
     pub(super) light_point: LightPoint,
     /// Filled from the end.
     pub(super) eye: Subpath,
+    /// Where that crosses the image.
+    image: Vec2,
     path: LightPath,
 }
 
@@ -129,7 +131,7 @@ impl Bidirectional<'_> {
     ) {
         SCRATCH.with_borrow_mut(|scratch| {
             let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
-            self.trace_eye(image, &mut scratch.eye, eye);
+            self.trace_eye(image, scratch, eye);
             self.trace_light(scratch, light);
             self.connect_all(scratch, 1.0, visit);
         });
@@ -152,7 +154,7 @@ impl Bidirectional<'_> {
         SCRATCH.with_borrow_mut(|scratch| {
             // The light subpath's first numbers come first, so that they are the same coordinates in every sample.
             self.trace_light(scratch, rng);
-            self.trace_eye(image, &mut scratch.eye, rng);
+            self.trace_eye(image, scratch, rng);
             use_them(scratch, rng);
         });
     }
@@ -172,7 +174,7 @@ impl Bidirectional<'_> {
                 return;
             }
             let [x, y] = [&light.vertices[i], &light.vertices[i + 1]];
-            let factor = x.scatter.as_dvec3() * (x.geometric_term() / y.forward);
+            let factor = x.scatter.as_dvec3() * (x.geometric_term / y.forward);
             if i == 0 {
                 certain = light.carried[0].throughput.x * factor.max_element();
             }
@@ -184,7 +186,9 @@ impl Bidirectional<'_> {
         }
     }
 
-    fn trace_eye(&self, image: Vec2, eye: &mut Subpath, rng: &mut impl Rng) {
+    fn trace_eye(&self, image: Vec2, scratch: &mut Scratch, rng: &mut impl Rng) {
+        scratch.image = image;
+        let eye = &mut scratch.eye;
         let camera = PathVertex::new(self.view.camera.vertex());
         eye.reset(self.max_edges + 1, camera, 1.0);
         let last = eye.vertices.len() - 1;
@@ -199,7 +203,7 @@ impl Bidirectional<'_> {
                 return;
             }
             let [x, y] = [&eye.vertices[i], &eye.vertices[i - 1]];
-            let factor = x.scatter.as_dvec3() * (y.geometric_term() / y.reverse);
+            let factor = x.scatter.as_dvec3() * (y.geometric_term / y.reverse);
             let others =
                 if i + 1 < last { mis::from_eye(&eye.vertices, i + 1, eye.carried[last - i].others) } else { 0.0 };
             if !eye.extend(factor, others, 1.0, rng) {
@@ -210,7 +214,7 @@ impl Bidirectional<'_> {
 
     /// Assembles the path with s light and t camera vertices; returns w_s/p_s, `None` where the contribution is zero.
     fn connect(&self, scratch: &mut Scratch, [s, t]: [usize; 2], area: f64) -> Option<f64> {
-        let Scratch { light, light_point, eye, path } = scratch;
+        let Scratch { light, light_point, eye, image, path } = scratch;
         let eye = &eye.vertices[eye.vertices.len() - t..];
         if s > 0 && (light.vertices[s - 1].vertex.delta || eye[0].vertex.delta) {
             return None;
@@ -219,6 +223,7 @@ impl Bidirectional<'_> {
         path.vertices.extend_from_slice(&light.vertices[..s]);
         path.vertices.extend_from_slice(eye);
         path.light = *light_point;
+        path.cross(&self.view, *image);
         if s == 0 {
             path.light = self.view.scene.lights().point(eye[0].vertex.primitive, eye[0].vertex.position)?;
             path.update(&self.view, 0..=0)?;

@@ -45,10 +45,18 @@ pub(super) fn eighth_turn(angle: f32) -> Vec2 {
 #[inline]
 pub(super) fn on_circle(u: f32) -> Vec2 {
     let quarters = 4.0 * u;
-    let whole = quarters as u32;
+    let whole = quarters as i32;
     let p = eighth_turn(FRAC_PI_2 * (quarters - whole as f32 - 0.5));
-    let p = if whole & 1 == 0 { p } else { p.perp() };
-    if whole & 2 == 0 { p } else { -p }
+    // Turned by that many quarters without a branch: which way it goes is chance.
+    let (swap, turn) = (whole & 1 != 0, sign_bit(whole & 2));
+    let x = f32::to_bits(if swap { -p.y } else { p.x });
+    let y = f32::to_bits(if swap { p.x } else { p.y });
+    Vec2::new(f32::from_bits(x ^ turn), f32::from_bits(y ^ turn))
+}
+
+/// The sign bit of an f32, if `bit` (bit 1 of an integer) is set.
+fn sign_bit(bit: i32) -> u32 {
+    (bit as u32) << 30
 }
 
 /// A direction about the unit vector `n` with density cosθ/π, sr⁻¹.

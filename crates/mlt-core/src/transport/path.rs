@@ -32,6 +32,8 @@ pub struct PathVertex {
     pub inverse_square: f32,
     /// |cosθ| of the edge to x_{i+1}, at x_i and at x_{i+1}, to the geometric normals.
     pub cosines: [f32; 2],
+    /// G(x_i, x_{i+1}) = |cosθ_i cosθ_{i+1}| / |x_i − x_{i+1}|², geometric normals.
+    pub geometric_term: f64,
     /// x_0: emitted radiance; x_k: W_e; between them f_s(x_{i−1} → x_i → x_{i+1}) |ω·N_s|/|ω·N_g|, ω towards x_{i−1}.
     pub scatter: Rgb,
     /// Density per area of x_i, drawn from x_{i−1}; of x_0: M, to be divided by the power of the region it is drawn from.
@@ -43,14 +45,16 @@ pub struct PathVertex {
 impl PathVertex {
     /// A vertex whose neighbours are not known yet.
     pub fn new(vertex: Vertex) -> Self {
-        let (to_eye, scatter) = (Vec3A::ZERO, Rgb::ZERO);
-        Self { vertex, to_eye, inverse_square: 0.0, cosines: [0.0; 2], scatter, forward: 0.0, reverse: 0.0 }
-    }
-
-    /// G(x_i, x_{i+1}) = |cosθ_i cosθ_{i+1}| / |x_i − x_{i+1}|², geometric normals.
-    #[inline]
-    pub(super) fn geometric_term(&self) -> f64 {
-        f64::from(self.cosines[0] * self.cosines[1]) * f64::from(self.inverse_square)
+        Self {
+            vertex,
+            to_eye: Vec3A::ZERO,
+            inverse_square: 0.0,
+            cosines: [0.0; 2],
+            geometric_term: 0.0,
+            scatter: Rgb::ZERO,
+            forward: 0.0,
+            reverse: 0.0,
+        }
     }
 
     /// A density per solid angle along the edge to x_{i+1} as a density per area at x_i.
@@ -139,12 +143,22 @@ impl LightPath {
         &self.light
     }
 
-    /// Sets the scattering at the vertices `scattering`, whose edges are set, and f(x). `None`: f(x) = 0.
+    /// Takes the first `n` vertices of a path, with room for the rest of it.
+    pub(super) fn keep_light_end(&mut self, from: &Self, n: usize) {
+        self.light = from.light;
+        if self.vertices.len() == from.vertices.len() {
+            self.vertices[..n].copy_from_slice(&from.vertices[..n]);
+        } else {
+            self.vertices.clone_from(&from.vertices);
+        }
+    }
+
+    /// Sets the scattering at the vertices `scattering`, whose edges are set, and f(x); where the path crosses the image is known.
+    /// `None`: f(x) = 0.
     pub(super) fn update(&mut self, view: &View, scattering: RangeInclusive<usize>) -> Option<()> {
         for i in scattering {
             set_scattering(&mut self.vertices, i, view)?;
         }
-        self.set_image(view)?;
         self.contribution = self.product();
         (self.contribution.max_element() > 0.0).then_some(())
     }
@@ -158,6 +172,9 @@ impl LightPath {
             return None;
         }
         set_edge(&mut self.vertices, s - 1)?;
+        if s == self.edges() {
+            self.cross(view, view.camera.image_point(-self.vertices[s - 1].to_eye)?);
+        }
         self.update(view, scattering)?;
         view.scene.visible(&self.vertices[s - 1].vertex, &self.vertices[s].vertex).then_some(())
     }
@@ -165,15 +182,12 @@ impl LightPath {
     /// f(x) = Π_i scatter_i Π_i G(x_i, x_{i+1}).
     fn product(&self) -> DVec3 {
         self.vertices.iter().fold(DVec3::ONE, |f, v| f * v.scatter.as_dvec3())
-            * self.vertices[..self.edges()].iter().map(PathVertex::geometric_term).product::<f64>()
+            * self.vertices[..self.edges()].iter().map(|v| v.geometric_term).product::<f64>()
     }
 
-    fn set_image(&mut self, view: &View) -> Option<()> {
-        let previous = &self.vertices[self.vertices.len() - 2];
-        self.image = view.camera.image_point(-previous.to_eye)?;
-        self.pixel = view.camera.pixel(self.image);
-        self.pixels = view.camera.pixels();
-        Some(())
+    /// Sets where it crosses the image.
+    pub(super) fn cross(&mut self, view: &View, image: Vec2) {
+        (self.image, self.pixel, self.pixels) = (image, view.camera.pixel(image), view.camera.pixels());
     }
 }
 
@@ -186,6 +200,7 @@ pub(super) fn set_edge(vertices: &mut [PathVertex], i: usize) -> Option<()> {
     x.inverse_square = 1.0 / square;
     x.to_eye = d * x.inverse_square.sqrt();
     x.cosines = [abs_dot(x.vertex.geometric_normal, x.to_eye), abs_dot(y.vertex.geometric_normal, x.to_eye)];
+    x.geometric_term = f64::from(x.cosines[0] * x.cosines[1]) * f64::from(x.inverse_square);
     (square > 0.0 && x.inverse_square.is_finite()).then_some(())
 }
 

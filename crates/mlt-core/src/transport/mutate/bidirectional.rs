@@ -85,7 +85,9 @@ impl BidirectionalMutation<'_> {
         }
         for i in (joint..edit.s + edit.added).rev() {
             if path.vertices[i + 1].vertex.is_camera() {
-                start_at_eye(&mut path.vertices, i + 1, within.image_point(rng), &self.view)?;
+                let image = within.image_point(rng);
+                path.cross(&self.view, image);
+                start_at_eye(&mut path.vertices, i + 1, image, &self.view)?;
             } else {
                 step_from_eye(&mut path.vertices, i + 1, &self.view, rng)?;
             }
@@ -173,6 +175,7 @@ impl Edit {
     /// Copies what is kept to its new place, with room between.
     fn copy_kept(&self, from: &LightPath, to: &mut LightPath) {
         to.light = from.light;
+        (to.image, to.pixel, to.pixels) = (from.image, from.pixel, from.pixels);
         to.vertices.clear();
         to.vertices.extend_from_slice(&from.vertices[..self.s]);
         to.vertices.extend(std::iter::repeat_n(PathVertex::new(from.vertices[0].vertex), self.added));

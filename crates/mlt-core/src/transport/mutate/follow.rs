@@ -123,7 +123,8 @@ impl<'a> FromEye<'a> {
         let view = &self.view;
         let image = self.moves.apply(current.image, within.image_corners(), rng)?;
         let last = current.edges();
-        proposal.clone_from(current);
+        proposal.keep_light_end(current, m);
+        proposal.cross(view, image);
         start_at_eye(&mut proposal.vertices, last, image, view)?;
         for i in (m + 1..last).rev() {
             let direction = next_direction(view, [current, proposal], i, Towards::Light, rng)?;

@@ -120,6 +120,7 @@ impl<I> Multiplexed<'_, I> {
         for i in (s + 1..=last).rev() {
             if i == last {
                 let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
+                path.cross(&view, image);
                 start_at_eye(&mut path.vertices, i, image, &view)?;
             } else {
                 step_from_eye(&mut path.vertices, i, &view, eye)?;
