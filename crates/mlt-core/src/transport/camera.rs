@@ -26,6 +26,8 @@ pub struct CameraPose {
 #[derive(Clone, Debug)]
 pub struct Camera {
     vertex: Vertex,
+    /// Where rays into the image start.
+    origin: Vec3A,
     /// Half the image's width and height on the plane at distance 1, along the image's axes.
     right: Vec3A,
     down: Vec3A,
@@ -45,8 +47,10 @@ impl Camera {
         let half_width = half_height * size[0] as f32 / size[1] as f32;
         let right = Vec3A::from(half_width * pose.forward.cross(pose.up));
         let down = Vec3A::from(-half_height * pose.up);
+        let vertex = Vertex::camera(position.into(), pose.forward.into());
         Self {
-            vertex: Vertex::camera(position.into(), pose.forward.into()),
+            vertex,
+            origin: vertex.origin(pose.forward.into()),
             right,
             down,
             across: 0.5 * right / right.length_squared(),
@@ -95,14 +99,20 @@ impl Camera {
     /// Unit direction through a point of the image, given in [0, 1)² from the top left corner.
     #[inline]
     pub fn direction(&self, image: Vec2) -> Vec3A {
-        self.ray(image).normalize()
+        self.step(image).normalize()
     }
 
     /// The same direction with the length that takes it to the plane at distance 1.
     #[inline]
-    pub(super) fn ray(&self, image: Vec2) -> Vec3A {
+    pub(super) fn step(&self, image: Vec2) -> Vec3A {
         let p = 2.0 * image - Vec2::ONE;
         self.vertex.geometric_normal + p.x * self.right + p.y * self.down
+    }
+
+    /// Start of rays into the image: the [`origin`](Vertex::origin) of the pinhole, which is the same for all of them.
+    #[inline]
+    pub(super) fn origin(&self) -> Vec3A {
+        self.origin
     }
 
     /// The point of the image that a direction from the pinhole passes through; `None` outside the image.

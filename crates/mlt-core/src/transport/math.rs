@@ -41,22 +41,15 @@ pub(super) fn eighth_turn(angle: f32) -> Vec2 {
     Vec2::new(cos, sin)
 }
 
-/// A point on the unit circle, uniformly for uniform `u` in [0, 1).
-#[inline]
-pub(super) fn on_circle(u: f32) -> Vec2 {
-    let quarters = 4.0 * u;
-    let whole = quarters as i32;
-    let p = eighth_turn(FRAC_PI_2 * (quarters - whole as f32 - 0.5));
+/// A point on the unit circle, uniformly for uniform `bits`: the first two choose a quarter, the others an angle in it.
+#[inline(always)]
+pub(super) fn on_circle(bits: u32) -> Vec2 {
+    let in_quarter = f32::from_bits(1f32.to_bits() | bits << 2 >> 9) - 1.5;
+    let p = eighth_turn(FRAC_PI_2 * in_quarter);
     // Turned by that many quarters without a branch: which way it goes is chance.
-    let (swap, turn) = (whole & 1 != 0, sign_bit(whole & 2));
-    let x = f32::to_bits(if swap { -p.y } else { p.x });
-    let y = f32::to_bits(if swap { p.x } else { p.y });
-    Vec2::new(f32::from_bits(x ^ turn), f32::from_bits(y ^ turn))
-}
-
-/// The sign bit of an f32, if `bit` (bit 1 of an integer) is set.
-fn sign_bit(bit: i32) -> u32 {
-    (bit as u32) << 30
+    let (x, y) = if bits >> 30 & 1 == 0 { (p.x, p.y) } else { (-p.y, p.x) };
+    let sign = bits & 1 << 31;
+    Vec2::new(f32::from_bits(x.to_bits() ^ sign), f32::from_bits(y.to_bits() ^ sign))
 }
 
 /// A direction about the unit vector `n` with density cosθ/π, sr⁻¹.
@@ -89,7 +82,7 @@ mod tests {
 
     #[test]
     fn the_circle_is_covered_evenly() {
-        let mut turns: Vec<_> = (0..1000).map(|i| on_circle((i as f32 + 0.5) / 1000.0)).collect();
+        let mut turns: Vec<_> = (0..1000).map(|i| on_circle((f64::from(i) * 4_294_967.296) as u32)).collect();
         assert!(turns.iter().all(|p| (p.length() - 1.0).abs() < 1e-6));
         turns.sort_by(|a, b| a.to_angle().total_cmp(&b.to_angle()));
         let step = std::f32::consts::TAU / 1000.0;

@@ -195,13 +195,17 @@ impl LightPath {
 #[inline(always)]
 pub(super) fn set_edge(vertices: &mut [PathVertex], i: usize) -> Option<()> {
     let [x, y] = vertices.get_mut(i..i + 2)? else { return None };
+    // Root and reciprocal do not wait for each other, nor the cosines for either.
     let d = y.vertex.position - x.vertex.position;
     let square = d.length_squared();
-    x.inverse_square = 1.0 / square;
-    x.to_eye = d * x.inverse_square.sqrt();
-    x.cosines = [abs_dot(x.vertex.geometric_normal, x.to_eye), abs_dot(y.vertex.geometric_normal, x.to_eye)];
-    x.geometric_term = f64::from(x.cosines[0] * x.cosines[1]) * f64::from(x.inverse_square);
-    (square > 0.0 && x.inverse_square.is_finite()).then_some(())
+    let inverse_square = 1.0 / square;
+    let inverse = inverse_square * square.sqrt();
+    let cosines = [&*x, &*y].map(|end| abs_dot(end.vertex.geometric_normal, d) * inverse);
+    x.inverse_square = inverse_square;
+    x.to_eye = d * inverse;
+    x.cosines = cosines;
+    x.geometric_term = f64::from(cosines[0] * cosines[1]) * f64::from(inverse_square);
+    (square > 0.0 && inverse_square.is_finite()).then_some(())
 }
 
 /// Sets the scattering at x_i, whose edges are set, and the densities of its two neighbours, drawn from it.

@@ -149,8 +149,14 @@ impl Scene {
     /// The first surface along a direction, of any length, from a vertex.
     #[inline(always)]
     pub fn trace(&self, from: &Vertex, direction: Vec3A) -> Option<Vertex> {
+        self.trace_ray(from.origin(direction), direction)
+    }
+
+    /// The first surface along a direction, of any length, from a point that is on no surface.
+    #[inline(always)]
+    pub(super) fn trace_ray(&self, origin: Vec3A, direction: Vec3A) -> Option<Vertex> {
         RAYS.set(RAYS.get() + 1);
-        let hit = self.accel.closest(&Ray::new(from.origin(direction).into(), direction.into()))?;
+        let hit = self.accel.closest(&Ray::new(origin.into(), direction.into()))?;
         Some(self.vertex(&hit))
     }
 

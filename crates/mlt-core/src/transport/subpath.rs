@@ -41,7 +41,9 @@ pub(super) fn follow_from_light(vertices: &mut [PathVertex], i: usize, direction
 /// Follows the ray through a point of the image from the camera x_i to x_{i−1}, and sets the edge between them.
 #[inline(always)]
 pub(super) fn start_at_eye(vertices: &mut [PathVertex], i: usize, image: Vec2, view: &View) -> Option<()> {
-    follow_from_eye(vertices, i, view.camera.ray(image), view)
+    let seen = view.scene.trace_ray(view.camera.origin(), view.camera.step(image))?;
+    vertices[i - 1] = PathVertex::new(seen);
+    set_edge(vertices, i - 1)
 }
 
 /// Draws x_{i−1} from x_i, a surface, and sets the edge between them. The edge to x_{i+1} must be set.

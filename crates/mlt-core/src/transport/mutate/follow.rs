@@ -13,7 +13,6 @@ use super::super::math::{eighth_turn, frame, on_circle};
 use super::super::path::{LightPath, View};
 use super::super::stratum::LightStratum;
 use super::super::subpath::{follow_from_eye, follow_from_light, start_at_eye};
-use crate::engine::uniform_f32;
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 use std::f32::consts::PI;
@@ -34,13 +33,13 @@ const LARGEST_SHARE: f32 = 0.02;
 /// that of the way back.
 pub(super) fn turned(unit: Vec3A, rng: &mut impl Rng) -> Vec3A {
     const ANGLE: LogUniform = LogUniform::new(LEAST_TURN, LARGEST_TURN);
-    let Vec2 { x: cos, y: sin } = eighth_turn(ANGLE.draw(rng));
-    let about = on_circle(uniform_f32(rng));
+    let (angle, about) = ANGLE.draw(rng);
+    let Vec2 { x: cos, y: sin } = eighth_turn(angle);
     let (s, t) = frame(unit);
     cos * unit + sin * (about.x * s + about.y * t)
 }
 
-/// The law of moves on an image: by a distance with density ∝ 1/r, in pixels, in any direction.
+/// The law of moves on an image: by a distance with density ∝ 1/r in steps, in pixels, in any direction.
 #[derive(Clone, Copy, Debug)]
 struct ImageMove {
     /// In pixels.
@@ -62,8 +61,8 @@ impl ImageMove {
     /// Mirrored at a side, y is reached from x as the mirror image y* is, and |y* − x| = |y − x*|: the way back has the same density.
     #[inline]
     fn apply(&self, image: Vec2, [low, high]: [Vec2; 2], rng: &mut impl Rng) -> Option<Vec2> {
-        let distance = self.distance.draw(rng);
-        let moved = image + distance * on_circle(uniform_f32(rng)) * self.pixel;
+        let (distance, towards) = self.distance.draw(rng);
+        let moved = image + distance * towards * self.pixel;
         let inside = |p: Vec2| p.cmpge(low).all() && p.cmplt(high).all();
         if inside(moved) {
             return Some(moved);
@@ -74,27 +73,27 @@ impl ImageMove {
     }
 }
 
-/// A number between two, of density ∝ 1/r but for 0.3 %: any law will do that does not depend on the state.
+/// Lengths between two: each octave is as likely as any other, and within one all lengths are. That is 1/r in steps of an octave; any
+/// law will do that does not depend on the state.
 #[derive(Clone, Copy, Debug)]
 struct LogUniform {
-    largest: f32,
-    /// log₂ of the largest over the least.
-    octaves: f32,
+    /// Bits of the largest.
+    largest: u32,
+    /// How many more than those of the least: log₂ of their ratio in units of 2⁻²³, but for 0.09.
+    range: u32,
 }
 
 impl LogUniform {
     const fn new(least: f32, largest: f32) -> Self {
-        // log₂ from the bits, exact at powers of two and up to 0.09 too small between them.
-        Self { largest, octaves: (largest / least).to_bits() as f32 * (1.0 / (1u32 << 23) as f32) - 127.0 }
+        Self { largest: largest.to_bits(), range: largest.to_bits() - least.to_bits() }
     }
 
-    #[inline]
-    fn draw(&self, rng: &mut impl Rng) -> f32 {
-        let x = self.octaves * uniform_f32(rng);
-        let whole = x as i32;
-        let f = x - whole as f32;
-        let power = f32::from_bits(((127 - whole) as u32) << 23);
-        self.largest * power * (1.0 - f * (0.6716 - 0.1716 * f))
+    /// A length, and a direction of the plane, uniformly.
+    #[inline(always)]
+    fn draw(&self, rng: &mut impl Rng) -> (f32, Vec2) {
+        let random = rng.next_u64();
+        let below = (u64::from(random as u32) * u64::from(self.range)) >> 32;
+        (f32::from_bits(self.largest - below as u32), on_circle((random >> 32) as u32))
     }
 }
 
@@ -225,7 +224,7 @@ fn density_from_light(view: &View, path: &LightPath, i: usize, l: usize) -> f64 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Generator, Purpose, generator};
+    use crate::engine::{Generator, Purpose, generator, uniform_f32};
     use glam::UVec2;
 
     /// χ² of the counts in 8×8 cells, 63 degrees of freedom, of points that lay evenly in a tile before `step` moved them.
