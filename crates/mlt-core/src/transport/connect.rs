@@ -25,7 +25,7 @@ impl Edge {
         let d = y.position - x.position;
         let square = d.length_squared();
         let inverse_square = 1.0 / square;
-        let edge = Self { to_eye: d * inverse_square.sqrt(), inverse_square };
+        let edge = Self { to_eye: d * (inverse_square * square.sqrt()), inverse_square };
         (square > 0.0 && inverse_square.is_finite()).then_some(edge)
     }
 

@@ -135,16 +135,18 @@ impl PathTracer<'_> {
         let (source, density) = (scene.light_point(&point).1, density as f32);
         let step = source.position - walk.vertex.position;
         let square = step.length_squared();
-        let to_light = step / square.sqrt();
+        // Root and reciprocal do not wait for each other.
+        let inverse_square = 1.0 / square;
+        let to_light = step * (inverse_square * square.sqrt());
         let emitted = scene.emitted(&source, -to_light);
-        if square <= 0.0 || emitted == Rgb::ZERO {
+        if !inverse_square.is_finite() || emitted == Rgb::ZERO {
             return None;
         }
         let found = scene.evaluate(&walk.vertex, to_light, walk.to_eye)?;
         if !scene.visible(&walk.vertex, &source) {
             return None;
         }
-        let cos = source.geometric_normal.dot(to_light).abs() / square;
+        let cos = source.geometric_normal.dot(to_light).abs() * inverse_square;
         let geometric = walk.vertex.geometric_normal.dot(to_light).abs() * cos;
         let weight = geometric / density * power_heuristic(density, found.pdf_to_light * cos);
         Some((emitted * found.value * weight, point))
