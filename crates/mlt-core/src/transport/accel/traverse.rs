@@ -7,8 +7,8 @@
 //!
 //! **No box is missed.** Let ε = 2⁻²⁴ and M the largest absolute coordinate of the scene and the ray's origin. The
 //! triangle test sees vertices displaced by at most 10 εM, and the box test's numerators are off by at most 4 εM, so every
-//! box is widened by 16 εM. The quotients have relative errors of at most 2 ε each; the least far one is multiplied by
-//! 1 + 8 ε. The widening is folded into the ray, once, and costs nothing a box.
+//! box is widened by 16 εM. The quotients have relative errors of at most 3 ε each; the far ones are multiplied by
+//! 1 + 8 ε. Both are folded into the ray, once, and cost nothing a box.
 //!
 //! **What is unsafe** here is to call code compiled for AVX2, and to leave the stack's array uninitialised (it is longer than
 //! most walks are). Indices are checked: measured, that costs less than one per cent.
@@ -91,7 +91,9 @@ macro_rules! query {
             simd: $set, tree: &WideTree, ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, t_max: f32,
         ) -> $answer {
             let ray = Segment { origin: Vec3A::new(ox, oy, oz), direction: Vec3A::new(dx, dy, dz), t_max };
-            if ray.is_sound() { $walk(simd, tree, &ray) } else { $scaled(simd, tree, &ray) }
+            // What is infinitely far is not hit.
+            let finite = Segment { t_max: t_max.min(f32::MAX), ..ray };
+            if ray.is_sound() { $walk(simd, tree, &finite) } else { $scaled(simd, tree, &ray) }
         }
     };
 }
@@ -227,8 +229,9 @@ const SLOWEST: f32 = 1e-18;
 /// The ray, made ready for boxes: the plane at p is met at t = p · reciprocal − shift.
 struct BoxTest<S: Simd> {
     near_plane: [usize; 3],
-    reciprocal: [S::Floats; 3],
+    near_reciprocal: [S::Floats; 3],
     near_shift: [S::Floats; 3],
+    far_reciprocal: [S::Floats; 3],
     far_shift: [S::Floats; 3],
 }
 
@@ -240,13 +243,15 @@ impl<S: Simd> BoxTest<S> {
         // A slower component moves the ray by less than the widening before it has left the scene.
         let least = Vec3A::splat(SLOWEST);
         let reciprocal = 1.0 / Vec3A::select(direction.abs().cmplt(least), least.copysign(direction), direction);
+        let far_reciprocal = FAR_FACTOR * reciprocal;
         let widening = widening.copysign(reciprocal);
         let backwards = reciprocal.cmplt(Vec3A::ZERO).bitmask() as usize;
         Self {
             near_plane: [backwards & 1, 2 + (backwards >> 1 & 1), 4 + (backwards >> 2)],
-            reciprocal: splat3(simd, reciprocal.to_array()),
+            near_reciprocal: splat3(simd, reciprocal.to_array()),
             near_shift: splat3(simd, ((origin + widening) * reciprocal).to_array()),
-            far_shift: splat3(simd, ((origin - widening) * reciprocal).to_array()),
+            far_reciprocal: splat3(simd, far_reciprocal.to_array()),
+            far_shift: splat3(simd, ((origin - widening) * far_reciprocal).to_array()),
         }
     }
 
@@ -255,15 +260,15 @@ impl<S: Simd> BoxTest<S> {
     fn test(&self, simd: S, node: &Node, t_max: f32) -> (S::Mask, S::Floats) {
         let near = |axis: usize| {
             let plane = simd.load(&node.planes[self.near_plane[axis]]);
-            simd.mul_sub(plane, self.reciprocal[axis], self.near_shift[axis])
+            simd.mul_sub(plane, self.near_reciprocal[axis], self.near_shift[axis])
         };
         let far = |axis: usize| {
             let plane = simd.load(&node.planes[self.near_plane[axis] ^ 1]);
-            simd.mul_sub(plane, self.reciprocal[axis], self.far_shift[axis])
+            simd.mul_sub(plane, self.far_reciprocal[axis], self.far_shift[axis])
         };
         let enter = simd.max(simd.max(near(0), near(1)), simd.max(near(2), simd.splat(0.0)));
-        let leave = simd.mul(simd.min(far(0), simd.min(far(1), far(2))), simd.splat(FAR_FACTOR));
-        (simd.le(enter, simd.min(leave, simd.splat(t_max))), enter)
+        let leave = simd.min(simd.min(far(0), far(1)), simd.min(far(2), simd.splat(t_max)));
+        (simd.le(enter, leave), enter)
     }
 }
 

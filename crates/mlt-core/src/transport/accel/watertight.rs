@@ -36,10 +36,11 @@ pub struct Test<S: Simd> {
     pub hits: u32,
     /// Ray parameters.
     t: S::Floats,
-    /// Areas on the ray's side of each edge: weights of the vertices times `determinant`.
+    /// Areas on the ray's side of each edge: weights of the vertices, but for `scale`.
     v: S::Floats,
     w: S::Floats,
-    determinant: S::Floats,
+    /// One over the sum of all three areas.
+    scale: S::Floats,
     /// Squared distance from the ray to the farthest vertex, across the ray.
     extent: S::Floats,
 }
@@ -55,7 +56,7 @@ pub struct Nearest {
     lane: u32,
     v: f32,
     w: f32,
-    determinant: f32,
+    scale: f32,
     extent: f32,
 }
 
@@ -89,22 +90,23 @@ impl<S: Simd> Shear<S> {
         let least = simd.min(simd.min(u, v), w);
         let greatest = simd.max(simd.max(u, v), w);
         let inside = simd.or(simd.le(zero, least), simd.le(greatest, zero));
-        let determinant = simd.add(simd.add(u, v), w);
-        let z = simd.mul_add(u, az, simd.mul_add(v, bz, simd.mul(w, cz)));
-        let t = simd.div(simd.mul(self.z, z), determinant);
+        // The reciprocal does not wait for the depth, and a hit's weights need it too.
+        let scale = simd.div(simd.splat(1.0), simd.add(simd.add(u, v), w));
+        let depth = simd.mul_add(u, az, simd.mul_add(v, bz, simd.mul(w, cz)));
+        let t = simd.mul(depth, scale);
         let in_range = simd.and(simd.lt(zero, t), simd.le(t, simd.splat(t_max)));
         let hits = simd.bits(simd.and(inside, in_range));
         let square = |x, y| simd.mul_add(x, x, simd.mul(y, y));
         let extent = simd.max(simd.max(square(ax, ay), square(bx, by)), square(cx, cy));
-        (hits != 0).then_some(Test { hits, t, v, w, determinant, extent })
+        (hits != 0).then_some(Test { hits, t, v, w, scale, extent })
     }
 
-    /// One vertex of each triangle where the ray is the z axis; z itself is not yet scaled to t.
+    /// One vertex of each triangle where the ray is the z axis, and z its parameter.
     #[inline(always)]
     fn vertex(&self, simd: S, block: &TriangleBlock, vertex: usize) -> [S::Floats; 3] {
         let moved = |i: usize| simd.sub(simd.load(&block.vertices[vertex][self.axes[i]]), self.origin[i]);
         let z = moved(2);
-        [simd.neg_mul_add(self.x, z, moved(0)), simd.neg_mul_add(self.y, z, moved(1)), z]
+        [simd.neg_mul_add(self.x, z, moved(0)), simd.neg_mul_add(self.y, z, moved(1)), simd.mul(self.z, z)]
     }
 }
 
@@ -121,14 +123,14 @@ impl Nearest {
     /// No hit on a ray that ends at `t_max`.
     #[inline(always)]
     pub fn none(t_max: f32) -> Self {
-        Self { t: t_max, primitive: u32::MAX, block: 0, lane: 0, v: 0.0, w: 0.0, determinant: 0.0, extent: 0.0 }
+        Self { t: t_max, primitive: u32::MAX, block: 0, lane: 0, v: 0.0, w: 0.0, scale: 0.0, extent: 0.0 }
     }
 
     /// Takes over the nearest of the hit lanes; of equals, the one that came first in the caller's array.
     #[inline(always)]
     pub fn update<S: Simd>(&mut self, simd: S, test: &Test<S>, primitives: &[u32; 8], block: usize) {
         let (Lanes(t), Lanes(v), Lanes(w)) = (simd.store(test.t), simd.store(test.v), simd.store(test.w));
-        let (Lanes(determinant), Lanes(extent)) = (simd.store(test.determinant), simd.store(test.extent));
+        let (Lanes(scale), Lanes(extent)) = (simd.store(test.scale), simd.store(test.extent));
         let mut hits = test.hits;
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize & 7;
@@ -142,7 +144,7 @@ impl Nearest {
                     lane: lane as u32,
                     v: v[lane],
                     w: w[lane],
-                    determinant: determinant[lane],
+                    scale: scale[lane],
                     extent: extent[lane],
                 };
             }
@@ -158,13 +160,13 @@ impl Nearest {
         if self.primitive == u32::MAX {
             return None;
         }
-        if SLENDER * self.determinant.abs() < self.extent {
+        if SLENDER < self.extent * self.scale.abs() {
             let ray = Ray { origin: origin.into(), direction: direction.into(), t_max };
             return Some(refine(&blocks[self.block as usize], &ray, self));
         }
-        let scale = 1.0 / self.determinant;
-        let u = (self.v * scale).min(1.0);
-        Some(Hit { primitive: self.primitive, t: self.t, u, v: (self.w * scale).min(1.0 - u) })
+        let u = (self.v * self.scale).min(1.0);
+        let (v, most) = (self.w * self.scale, 1.0 - u);
+        Some(Hit { primitive: self.primitive, t: self.t, u, v: if v < most { v } else { most } })
     }
 }
 
