@@ -61,8 +61,9 @@ impl PathTracer<'_> {
     #[inline(always)]
     pub fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let camera = self.view.camera.vertex();
-        let direction = self.view.camera.direction(image);
-        let Some(vertex) = self.view.scene.trace_ray(self.view.camera.origin(), direction) else { return };
+        let step = self.view.camera.step(image);
+        let Some(vertex) = self.view.scene.trace_ray(self.view.camera.origin(), step) else { return };
+        let direction = step.normalize();
         let pdf = self.view.camera.has_tiny_lights().then(|| {
             let cos = camera.geometric_normal.dot(direction);
             self.view.camera.pdf(cos) / vertex.position.distance_squared(camera.position)

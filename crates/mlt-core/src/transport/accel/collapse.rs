@@ -43,13 +43,13 @@ pub fn collapse(binary: &[BinaryNode], triangles: &[[Vec3; 3]]) -> WideTree {
     let folding = Folding { binary, plan: &plan, nodes: vec![Node::EMPTY], slots: Vec::new(), below: Vec::new() };
     let (nodes, slots, depth) = folding.fold();
     let blocks = slots.par_chunks(WIDTH).map(|primitives| TriangleBlock::new(primitives, triangles)).collect();
-    WideTree { nodes, blocks, depth, max_coordinate: root.min.abs().max(root.max.abs()).max_element() }
+    WideTree::new(nodes, blocks, depth, root.min.abs().max(root.max.abs()).max_element())
 }
 
 impl WideTree {
     /// A root without boxes.
     fn empty() -> Self {
-        Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), depth: 1, max_coordinate: 0.0 }
+        Self::new(vec![Node::EMPTY], Vec::new(), 1, 0.0)
     }
 }
 

@@ -115,4 +115,17 @@ pub struct WideTree {
     pub depth: usize,
     /// Largest absolute coordinate of any box, for the error bound of the box test.
     pub max_coordinate: f32,
+    /// Whether it is larger than the caches of one core, so that it pays to ask for memory ahead of its use.
+    pub is_large: bool,
+}
+
+/// Bytes of a tree that such caches hold.
+const CACHED: usize = 2 << 20;
+
+impl WideTree {
+    /// A tree of these parts.
+    pub fn new(nodes: Vec<Node>, blocks: Vec<TriangleBlock>, depth: usize, max_coordinate: f32) -> Self {
+        let is_large = size_of_val(&nodes[..]) + size_of_val(&blocks[..]) > CACHED;
+        Self { nodes, blocks, depth, max_coordinate, is_large }
+    }
 }
