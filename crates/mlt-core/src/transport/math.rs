@@ -1,6 +1,6 @@
 //! Small geometry: frames and maps from the unit square.
 
-use glam::{Vec2, Vec2Swizzles, Vec3A};
+use glam::{Vec2, Vec3A, Vec4};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Two unit vectors that complete the unit vector `n` to a right-handed frame (s, t, n).
@@ -20,13 +20,16 @@ pub fn frame(n: Vec3A) -> (Vec3A, Vec3A) {
 /// Source: Shirley & Chiu, "A Low Distortion Map Between Disk and Square", 1997.
 #[inline(always)]
 pub fn square_to_disk(u: Vec2) -> (Vec2, f32) {
-    let p = 2.0 * u - Vec2::ONE;
-    // Without a branch: which way it goes is chance.
-    let steep = p.y.abs() >= p.x.abs();
-    let (radius, other) = if steep { (p.y, p.x) } else { (p.x, p.y) };
-    let ratio = if radius == 0.0 { 0.0 } else { other / radius };
-    let d = radius * eighth_turn(FRAC_PI_4 * ratio);
-    (if steep { d.yx() } else { d }, radius * radius)
+    let Vec2 { x, y } = 2.0 * u - Vec2::ONE;
+    // In vectors, where a choice is no branch: which way it goes is chance.
+    let [x_square, y_square] = [x * x, y * y].map(Vec4::splat);
+    let square = x_square.max(y_square).x;
+    // The lesser over the greater.
+    let ratio = x * y / (square + f32::MIN_POSITIVE);
+    let Vec2 { x: cos, y: sin } = eighth_turn(FRAC_PI_4 * ratio);
+    let [flat, steep] = [Vec4::new(cos, sin, 0.0, 0.0) * x, Vec4::new(sin, cos, 0.0, 0.0) * y];
+    let point = Vec4::select(y_square.cmpgt(x_square), steep, flat);
+    (Vec2::new(point.x, point.y), square)
 }
 
 /// (cos φ, sin φ) for |φ| ≤ π/4, to 3·10⁻⁷, by their series: the same bits on every machine, and no call. Halves of the
@@ -42,15 +45,15 @@ pub(super) fn eighth_turn(angle: f32) -> Vec2 {
     Vec2::new(cos, sin)
 }
 
+/// (cos, sin) of no quarter, one, two and three.
+const QUARTER_TURNS: [Vec2; 4] = [Vec2::X, Vec2::Y, Vec2::NEG_X, Vec2::NEG_Y];
+
 /// A point on the unit circle, uniformly for uniform `bits`: the first two choose a quarter, the others an angle in it.
 #[inline(always)]
 pub(super) fn on_circle(bits: u32) -> Vec2 {
     let in_quarter = f32::from_bits(1f32.to_bits() | bits << 2 >> 9) - 1.5;
-    let p = eighth_turn(FRAC_PI_2 * in_quarter);
-    // Turned by that many quarters without a branch: which way it goes is chance.
-    let (x, y) = if bits >> 30 & 1 == 0 { (p.x, p.y) } else { (-p.y, p.x) };
-    let sign = bits & 1 << 31;
-    Vec2::new(f32::from_bits(x.to_bits() ^ sign), f32::from_bits(y.to_bits() ^ sign))
+    // A product instead of a branch: which way it goes is chance.
+    eighth_turn(FRAC_PI_2 * in_quarter).rotate(QUARTER_TURNS[(bits >> 30) as usize])
 }
 
 /// A direction about the unit vector `n` with density cosθ/π, sr⁻¹.
