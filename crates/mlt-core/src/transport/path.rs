@@ -156,8 +156,15 @@ impl LightPath {
     /// Sets the scattering at the vertices `scattering`, whose edges are set, and f(x); where the path crosses the image is known.
     /// `None`: f(x) = 0.
     pub(super) fn update(&mut self, view: &View, scattering: RangeInclusive<usize>) -> Option<()> {
-        for i in scattering {
-            set_scattering(&mut self.vertices, i, view)?;
+        let (first, last, end) = (*scattering.start(), *scattering.end(), self.edges());
+        if first == 0 {
+            set_emission(&mut self.vertices, view)?;
+        }
+        for i in first.max(1)..=last.min(end - 1) {
+            set_reflection(&mut self.vertices, i, view)?;
+        }
+        if last == end {
+            set_sensitivity(&mut self.vertices, view)?;
         }
         self.contribution = self.product();
         (self.contribution.max_element() > 0.0).then_some(())
@@ -212,21 +219,45 @@ pub(super) fn set_edge(vertices: &mut [PathVertex], i: usize) -> Option<()> {
 /// `None` if it scatters nothing.
 #[inline(always)]
 pub(super) fn set_scattering(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
-    let (before, rest) = vertices.split_at_mut(i);
-    let (x, after) = rest.split_first_mut()?;
-    let found = match before.last() {
-        Some(previous) => scattering(view, x, -previous.to_eye, x.to_eye)?,
-        None => emission(view, &x.vertex, x.to_eye)?,
-    };
+    if i == 0 {
+        set_emission(vertices, view)
+    } else if i + 1 == vertices.len() {
+        set_sensitivity(vertices, view)
+    } else {
+        set_reflection(vertices, i, view)
+    }
+}
+
+/// x_0, on a light: L_e, M, and the density of x_1.
+#[inline(always)]
+fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<()> {
+    let [x, to_eye, ..] = vertices else { return None };
+    let found = emission(view, &x.vertex, x.to_eye)?;
     x.scatter = found.value;
-    match after.first_mut() {
-        Some(next) => next.forward = x.per_area_there(found.pdf_to_eye),
-        None => x.reverse = 1.0,
-    }
-    match before.last_mut() {
-        Some(previous) => previous.reverse = previous.per_area_here(found.pdf_to_light),
-        None => x.forward = view.scene.lights().of(x.vertex.primitive)?.exitance(),
-    }
+    x.forward = view.scene.lights().of(x.vertex.primitive)?.exitance();
+    to_eye.forward = x.per_area_there(found.pdf_to_eye);
+    Some(())
+}
+
+/// x_i, a surface between two others: f_s, and the densities of both neighbours.
+#[inline(always)]
+fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
+    let [to_light, x, to_eye] = vertices.get_mut(i - 1..i + 2)? else { return None };
+    let found = view.scene.evaluate(&x.vertex, -to_light.to_eye, x.to_eye)?;
+    x.scatter = found.value;
+    to_eye.forward = x.per_area_there(found.pdf_to_eye);
+    to_light.reverse = to_light.per_area_here(found.pdf_to_light);
+    Some(())
+}
+
+/// x_k, the camera: W_e, and the density of x_{k−1}.
+#[inline(always)]
+fn set_sensitivity(vertices: &mut [PathVertex], view: &View) -> Option<()> {
+    let [.., to_light, x] = vertices else { return None };
+    let found = sensitivity(view, x, -to_light.to_eye)?;
+    x.scatter = found.value;
+    x.reverse = 1.0;
+    to_light.reverse = to_light.per_area_here(found.pdf_to_light);
     Some(())
 }
 
@@ -246,9 +277,12 @@ pub(super) fn emission(view: &View, x: &Vertex, to_eye: Vec3A) -> Option<Evaluat
 /// Scattering and densities at a surface or, as W_e, at the camera; `None`: nothing.
 #[inline(always)]
 pub(super) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
-    if !x.vertex.is_camera() {
-        return view.scene.evaluate(&x.vertex, to_light, to_eye);
-    }
+    if x.vertex.is_camera() { sensitivity(view, x, to_light) } else { view.scene.evaluate(&x.vertex, to_light, to_eye) }
+}
+
+/// W_e, and the density of a direction to the light through a uniform point of the image; `None` behind the image.
+#[inline(always)]
+fn sensitivity(view: &View, x: &PathVertex, to_light: Vec3A) -> Option<Evaluation> {
     let cos = x.vertex.geometric_normal.dot(to_light);
     let value = Rgb::splat(view.camera.w_e(cos));
     (cos > 0.0).then(|| Evaluation { value, pdf_to_eye: 0.0, pdf_to_light: view.camera.pdf(cos) })
