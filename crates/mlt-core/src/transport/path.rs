@@ -11,6 +11,7 @@ use crate::engine::{self, Splat};
 use glam::{DVec3, Vec2, Vec3A};
 use std::f32::consts::FRAC_1_PI;
 use std::ops::RangeInclusive;
+use std::sync::atomic::{Ordering, compiler_fence};
 
 /// A scene seen through a camera: what a path lives in.
 #[derive(Clone, Copy)]
@@ -147,7 +148,7 @@ impl LightPath {
     pub(super) fn keep_light_end(&mut self, from: &Self, n: usize) {
         self.light = from.light;
         if self.vertices.len() == from.vertices.len() {
-            self.vertices[..n].copy_from_slice(&from.vertices[..n]);
+            copy_vertices(&mut self.vertices[..n], &from.vertices[..n]);
         } else {
             self.vertices.clone_from(&from.vertices);
         }
@@ -195,6 +196,16 @@ impl LightPath {
     /// Sets where it crosses the image.
     pub(super) fn cross(&mut self, view: &View, image: Vec2) {
         (self.image, self.pixel, self.pixels) = (image, view.camera.pixel(image), view.camera.pixels());
+    }
+}
+
+/// Copies a few vertices. One after the other: what the branches of a general copy do, whose length varies, is hard to foresee.
+#[inline(always)]
+pub(super) fn copy_vertices(to: &mut [PathVertex], from: &[PathVertex]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
+        // No instruction; it keeps the compiler from calling that copy.
+        compiler_fence(Ordering::SeqCst);
     }
 }
 

@@ -11,7 +11,7 @@
 //! Source: [VeachGuibas97], section 5.3.1; in a stratum: [Jankauski15], section 4.2.
 
 use super::super::mis::{self, Ends};
-use super::super::path::{LightPath, PathVertex, View};
+use super::super::path::{LightPath, PathVertex, View, copy_vertices};
 use super::super::region::LightRegion;
 use super::super::stratum::LightStratum;
 use super::super::subpath::{start_at_eye, start_at_light, step_from_eye, step_from_light};
@@ -176,10 +176,10 @@ impl Edit {
     fn copy_kept(&self, from: &LightPath, to: &mut LightPath) {
         to.light = from.light;
         (to.image, to.pixel, to.pixels) = (from.image, from.pixel, from.pixels);
-        to.vertices.clear();
-        to.vertices.extend_from_slice(&from.vertices[..self.s]);
-        to.vertices.extend(std::iter::repeat_n(PathVertex::new(from.vertices[0].vertex), self.added));
-        to.vertices.extend_from_slice(&from.vertices[self.s + self.deleted..]);
+        let (near, far) = (&from.vertices[..self.s], &from.vertices[self.s + self.deleted..]);
+        to.vertices.resize(self.s + self.added + self.t, from.vertices[0]);
+        copy_vertices(&mut to.vertices[..self.s], near);
+        copy_vertices(&mut to.vertices[self.s + self.added..], far);
     }
 }
 
