@@ -17,9 +17,10 @@ use super::super::stratum::LightStratum;
 use super::super::subpath::{start_at_eye, start_at_light, step_from_eye, step_from_light};
 use crate::engine::uniform;
 use rand_pcg::rand_core::Rng;
+use std::array;
 
-/// P(d): relative weights of deleting d = 0, 1, 2 … vertices; each further one half of the last.
-const DELETED: [f64; 3] = [0.1, 0.5, 0.25];
+/// P(d): relative weight of deleting no vertex; of deleting d = 1, 2 … it is 2^−d.
+const NONE_DELETED: f64 = 0.1;
 /// P(a | d): relative weights of |a − d| = 0, 1, 2.
 const CHANGE: [f64; 3] = [0.5, 0.15, 0.05];
 /// Relative weight of the technique that has to hit a light or the image by chance.
@@ -105,10 +106,10 @@ impl BidirectionalMutation<'_> {
 impl Edit {
     /// Draws s, t and the number of new vertices for a path of n vertices; `None` where nothing would change.
     fn draw(n: usize, max_edges: usize, rng: &mut impl Rng) -> Option<Self> {
-        let deleted = draw(n, deletion_weight, rng);
+        let deleted = draw_deletion(n, rng);
         let s = ((uniform(rng) * (n - deleted) as f64) as usize).min(n - deleted - 1);
         let mut edit = Self { s, t: n - deleted - s, deleted, added: 0 };
-        edit.added = draw(deleted + CHANGE.len(), |added| Self { added, ..edit }.addition_weight(max_edges), rng);
+        edit.added = edit.draw_addition(max_edges, rng);
         (edit.deleted + edit.added > 0 && edit.addition_weight(max_edges) > 0.0).then_some(edit)
     }
 
@@ -132,11 +133,28 @@ impl Edit {
 
     /// P(d | n) / (n − d) · P(a | d).
     fn probability(&self, n: usize, max_edges: usize) -> f64 {
-        let deletions: f64 = (0..n).map(deletion_weight).sum();
-        let most = self.deleted + CHANGE.len();
-        let additions: f64 = (0..most).map(|added| Self { added, ..*self }.addition_weight(max_edges)).sum();
-        deletion_weight(self.deleted) / deletions / (n - self.deleted) as f64 * self.addition_weight(max_edges)
-            / additions
+        let additions: f64 = self.additions(max_edges).iter().sum();
+        deletion_weight(self.deleted) * self.addition_weight(max_edges)
+            / (deletion_weights(n) * (n - self.deleted) as f64 * additions)
+    }
+
+    /// P(a | d) without its normalisation for a = d − 2 … d + 2.
+    fn additions(&self, max_edges: usize) -> [f64; 2 * CHANGE.len() - 1] {
+        array::from_fn(|i| match (self.deleted + i).checked_sub(CHANGE.len() - 1) {
+            Some(added) => Self { added, ..*self }.addition_weight(max_edges),
+            None => 0.0,
+        })
+    }
+
+    /// Draws a with probability P(a | d); any where all are zero.
+    fn draw_addition(&self, max_edges: usize, rng: &mut impl Rng) -> usize {
+        let weights = self.additions(max_edges);
+        let mut remaining = uniform(rng) * weights.iter().sum::<f64>();
+        let drawn = weights.iter().position(|&weight| {
+            remaining -= weight;
+            remaining < 0.0
+        });
+        (self.deleted + drawn.unwrap_or(0)).saturating_sub(CHANGE.len() - 1)
     }
 
     /// P(a | d) without its normalisation: 0 for a path of less than an edge or of too many, and for no change at all.
@@ -154,8 +172,18 @@ impl Edit {
         if hits_light || hits_image { CHANCE } else { 1.0 }
     }
 
+    /// Σ_{a′} of these weights; all but the first and the last are 1.
+    fn split_weights(&self) -> f64 {
+        match self.added {
+            0 => self.split_weight(0),
+            a => self.split_weight(0) + (a - 1) as f64 + self.split_weight(a),
+        }
+    }
+
+    /// Draws a′ with probability P(a′ | a).
     fn draw_split(&self, rng: &mut impl Rng) -> usize {
-        draw(self.added + 1, |split| self.split_weight(split), rng)
+        let beyond = uniform(rng) * self.split_weights() - self.split_weight(0);
+        if beyond < 0.0 { 0 } else { (1 + beyond as usize).min(self.added) }
     }
 
     /// Σ_{a′} P(a′ | a) Π forward Π reverse over the new vertices of `path`.
@@ -169,7 +197,7 @@ impl Edit {
             forward *= ends.forward(path, self.s + split);
             sum = sum * ends.reverse(path, self.s + split) + forward * technique(split + 1);
         }
-        sum / (0..=self.added).map(|split| self.split_weight(split)).sum::<f64>()
+        sum / self.split_weights()
     }
 
     /// Copies what is kept to its new place, with room between.
@@ -183,23 +211,27 @@ impl Edit {
     }
 }
 
+/// P(d) without its normalisation.
 fn deletion_weight(d: usize) -> f64 {
-    match DELETED.get(d) {
-        Some(&weight) => weight,
-        None => DELETED[2] * 0.5f64.powi((d - 2) as i32),
-    }
+    if d == 0 { NONE_DELETED } else { power_of_half(d) }
 }
 
-/// Draws i < `n` with probability weight(i) / Σ weight.
-fn draw(n: usize, weight: impl Fn(usize) -> f64, rng: &mut impl Rng) -> usize {
-    let mut remaining = uniform(rng) * (0..n).map(&weight).sum::<f64>();
-    for i in 0..n {
-        remaining -= weight(i);
-        if remaining < 0.0 {
-            return i;
-        }
-    }
-    n - 1
+/// Σ_{d < n} of these weights.
+fn deletion_weights(n: usize) -> f64 {
+    NONE_DELETED + 1.0 - power_of_half(n - 1)
+}
+
+/// Draws d < `n` with probability P(d).
+fn draw_deletion(n: usize, rng: &mut impl Rng) -> usize {
+    // Beyond the first weight lie those of d = 1, 2 … up to ½, ¾ …: d is how often 1 − x can be doubled below 1.
+    let x = uniform(rng) * deletion_weights(n) - NONE_DELETED;
+    let doublings = 1023 - ((1.0 - x).to_bits() >> 52) as usize;
+    if x < 0.0 { 0 } else { doublings.clamp(1, n - 1) }
+}
+
+/// 2^−i
+fn power_of_half(i: usize) -> f64 {
+    f64::from_bits(1023u64.saturating_sub(i as u64) << 52)
 }
 
 #[cfg(test)]
@@ -287,6 +319,36 @@ mod tests {
             let paths = [&mut x.clone(), y];
             propose_with(&world, paths, within, rng, |edit, split, x, y| ratio(edit, split, x, y, within))
         })
+    }
+
+    /// How far the counts of 200,000 draws are from what `weight` says, in standard deviations, at the most.
+    fn deviation(n: usize, weight: impl Fn(usize) -> f64, draw: impl Fn(&mut Generator) -> usize) -> f64 {
+        let (mut rng, mut counts) = (generator(2, Purpose::Chain, 0, 0, n as u64), vec![0.0; n]);
+        (0..200_000).for_each(|_| counts[draw(&mut rng)] += 1.0);
+        let total: f64 = (0..n).map(&weight).sum();
+        let deviation = |i: usize| {
+            let p = weight(i) / total;
+            (counts[i] - 2e5 * p).abs() / (2e5 * p * (1.0 - p)).sqrt().max(1.0)
+        };
+        (0..n).map(deviation).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn edits_are_drawn_as_their_weights_say() {
+        for n in 2..9 {
+            let total: f64 = (0..n).map(deletion_weight).sum();
+            assert!((deletion_weights(n) - total).abs() < 1e-12, "{n}");
+            assert!(deviation(n, deletion_weight, |rng| draw_deletion(n, rng)) < 4.5, "{n}");
+        }
+        assert!(deviation(4, |d| deletion_weight(d) * if d == 2 { 1.1 } else { 1.0 }, |rng| draw_deletion(4, rng)) > 4.5);
+        for (s, t, deleted, added) in [(0, 1, 2, 3), (2, 1, 0, 2), (0, 3, 1, 1), (1, 1, 3, 0), (3, 2, 4, 5)] {
+            let edit = Edit { s, t, deleted, added };
+            let total: f64 = (0..=added).map(|split| edit.split_weight(split)).sum();
+            assert_eq!(edit.split_weights(), total);
+            assert!(deviation(added + 1, |split| edit.split_weight(split), |rng| edit.draw_split(rng)) < 4.5);
+            let weight = |added| Edit { added, ..edit }.addition_weight(6);
+            assert!(deviation(deleted + CHANGE.len(), weight, |rng| edit.draw_addition(6, rng)) < 4.5);
+        }
     }
 
     #[test]
