@@ -7,35 +7,10 @@ use super::bdpt::{Bidirectional, Carried, Scratch, Subpath};
 use super::bsdf::Evaluation;
 use super::kind::{Kind, LightEnd, PathEnd};
 use super::mis::{Ends, square};
-use super::path::{PathVertex, emission, scattering};
+use super::path::{Edge, PathVertex, emission, scattering};
 use super::vertex::Vertex;
-use glam::{DVec3, Vec2, Vec3A};
+use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;
-
-/// The edge that joins two subpaths, x_{s−1} to x_s.
-struct Edge {
-    to_eye: Vec3A,
-    inverse_square: f32,
-}
-
-impl Edge {
-    /// `None` if the two coincide.
-    #[inline]
-    fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
-        let d = y.position - x.position;
-        let square = d.length_squared();
-        let inverse_square = 1.0 / square;
-        let edge = Self { to_eye: d * (inverse_square * square.sqrt()), inverse_square };
-        (square > 0.0 && inverse_square.is_finite()).then_some(edge)
-    }
-
-    /// A density per solid angle along the edge as a density per area at `target`, one of its two ends.
-    #[inline]
-    fn per_area(&self, pdf: f32, target: &Vertex) -> f64 {
-        let cos = target.geometric_normal.dot(self.to_eye).abs();
-        f64::from(pdf) * f64::from(cos) * f64::from(self.inverse_square)
-    }
-}
 
 /// 1 if two neighbours may be connected, else 0.
 #[inline]
@@ -118,24 +93,24 @@ impl Bidirectional<'_> {
         }
         let edge = Edge::between(&x.vertex, &y.vertex)?;
         let pixel = match t {
-            1 => Some(self.view.camera.pixel(self.view.camera.image_point(-edge.to_eye)?)),
+            1 => Some(self.view.camera.pixel(self.view.camera.image_point(-edge.direction)?)),
             _ => None,
         };
         let at_x = match s {
-            1 => emission(&self.view, &x.vertex, edge.to_eye)?,
-            _ => scattering(&self.view, x, -light[s - 2].to_eye, edge.to_eye)?,
+            1 => emission(&self.view, &x.vertex, edge.direction)?,
+            _ => scattering(&self.view, x, -light[s - 2].to_eye, edge.direction)?,
         };
-        let at_y = scattering(&self.view, y, -edge.to_eye, y.to_eye)?;
+        let at_y = scattering(&self.view, y, -edge.direction, y.to_eye)?;
         let (from_light, from_eye) = (scratch.light.carried(s), scratch.eye.carried(t));
-        let forward = edge.per_area(at_x.pdf_to_eye, &y.vertex);
-        let back = (edge.per_area(at_y.pdf_to_light, &x.vertex), at_x.pdf_to_light);
+        let per_area = |pdf: f32, end: usize| f64::from(pdf) * f64::from(edge.cosines[end]) * f64::from(edge.inverse_square);
+        let forward = per_area(at_x.pdf_to_eye, 1);
+        let back = (per_area(at_y.pdf_to_light, 0), at_x.pdf_to_light);
         let others = earlier_techniques(light, self.region.power(), back, from_light.others)
             + later_techniques(eye, forward, at_y.pdf_to_eye, from_eye.others);
-        let geometric = edge.per_area(x.vertex.geometric_normal.dot(edge.to_eye).abs(), &y.vertex);
         let value = from_light.throughput
             * from_eye.throughput
             * (at_x.value * at_y.value).as_dvec3()
-            * (geometric / (1.0 + others));
+            * (edge.geometric_term() / (1.0 + others));
         self.view.scene.visible(&x.vertex, &y.vertex).then_some((pixel, value))
     }
 }

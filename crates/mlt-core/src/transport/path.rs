@@ -209,21 +209,45 @@ pub(super) fn copy_vertices(to: &mut [PathVertex], from: &[PathVertex]) {
     }
 }
 
+/// The edge between two vertices.
+pub(super) struct Edge {
+    /// Unit direction from the first to the second.
+    pub(super) direction: Vec3A,
+    /// 1 over the squared length.
+    pub(super) inverse_square: f32,
+    /// |cosθ| at both ends, to the geometric normals.
+    pub(super) cosines: [f32; 2],
+}
+
+impl Edge {
+    /// `None` if the two coincide.
+    #[inline(always)]
+    pub(super) fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
+        // Root and reciprocal do not wait for each other, nor the cosines for either.
+        let d = y.position - x.position;
+        let square = d.length_squared();
+        let inverse_square = 1.0 / square;
+        let inverse = inverse_square * square.sqrt();
+        let cosines = [x, y].map(|end| abs_dot(end.geometric_normal, d) * inverse);
+        let edge = Self { direction: d * inverse, inverse_square, cosines };
+        (square > 0.0 && inverse_square.is_finite()).then_some(edge)
+    }
+
+    /// G = |cosθ cosθ'| / d².
+    #[inline(always)]
+    pub(super) fn geometric_term(&self) -> f64 {
+        f64::from(self.cosines[0] * self.cosines[1]) * f64::from(self.inverse_square)
+    }
+}
+
 /// Sets the edge from x_i to x_{i+1}; `None` if they coincide.
 #[inline(always)]
 pub(super) fn set_edge(vertices: &mut [PathVertex], i: usize) -> Option<()> {
     let [x, y] = vertices.get_mut(i..i + 2)? else { return None };
-    // Root and reciprocal do not wait for each other, nor the cosines for either.
-    let d = y.vertex.position - x.vertex.position;
-    let square = d.length_squared();
-    let inverse_square = 1.0 / square;
-    let inverse = inverse_square * square.sqrt();
-    let cosines = [&*x, &*y].map(|end| abs_dot(end.vertex.geometric_normal, d) * inverse);
-    x.inverse_square = inverse_square;
-    x.to_eye = d * inverse;
-    x.cosines = cosines;
-    x.geometric_term = f64::from(cosines[0] * cosines[1]) * f64::from(inverse_square);
-    (square > 0.0 && inverse_square.is_finite()).then_some(())
+    let edge = Edge::between(&x.vertex, &y.vertex)?;
+    x.geometric_term = edge.geometric_term();
+    Edge { direction: x.to_eye, inverse_square: x.inverse_square, cosines: x.cosines } = edge;
+    Some(())
 }
 
 /// Sets the scattering at x_i, whose edges are set, and the densities of its two neighbours, drawn from it.
