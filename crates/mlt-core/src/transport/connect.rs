@@ -102,7 +102,8 @@ impl Bidirectional<'_> {
         };
         let at_y = scattering(&self.view, y, -edge.direction, y.to_eye)?;
         let (from_light, from_eye) = (scratch.light.carried(s), scratch.eye.carried(t));
-        let per_area = |pdf: f32, end: usize| f64::from(pdf) * f64::from(edge.cosines[end]) * f64::from(edge.inverse_square);
+        let per_area =
+            |pdf: f32, end: usize| f64::from(pdf) * f64::from(edge.cosines[end]) * f64::from(edge.inverse_square);
         let forward = per_area(at_x.pdf_to_eye, 1);
         let back = (per_area(at_y.pdf_to_light, 0), at_x.pdf_to_light);
         let others = earlier_techniques(light, self.region.power(), back, from_light.others)

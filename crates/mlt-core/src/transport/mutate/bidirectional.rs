@@ -340,7 +340,9 @@ mod tests {
             assert!((deletion_weights(n) - total).abs() < 1e-12, "{n}");
             assert!(deviation(n, deletion_weight, |rng| draw_deletion(n, rng)) < 4.5, "{n}");
         }
-        assert!(deviation(4, |d| deletion_weight(d) * if d == 2 { 1.1 } else { 1.0 }, |rng| draw_deletion(4, rng)) > 4.5);
+        assert!(
+            deviation(4, |d| deletion_weight(d) * if d == 2 { 1.1 } else { 1.0 }, |rng| draw_deletion(4, rng)) > 4.5
+        );
         for (s, t, deleted, added) in [(0, 1, 2, 3), (2, 1, 0, 2), (0, 3, 1, 1), (1, 1, 3, 0), (3, 2, 4, 5)] {
             let edit = Edit { s, t, deleted, added };
             let total: f64 = (0..=added).map(|split| edit.split_weight(split)).sum();
