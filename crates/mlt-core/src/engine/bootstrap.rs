@@ -1,6 +1,6 @@
 //! Independent samples of a stratum: its b_j, and where its chains start.
 
-use super::{Generator, Importance, Purpose, Stratum, generator, uniform};
+use super::{Generator, Importance, Purpose, Stratum, StratumStats, generator, uniform};
 
 /// Importance weights of the independent samples of one stratum in one round.
 ///
@@ -11,9 +11,9 @@ pub(super) struct Bootstrap {
     /// Their sum.
     total: f64,
     /// How many weights were not finite; they are 0 in `weights`.
-    pub(super) non_finite: u64,
+    non_finite: u64,
     /// What they took.
-    pub(super) work: u64,
+    work: u64,
 }
 
 impl Bootstrap {
@@ -28,13 +28,19 @@ impl Bootstrap {
         Self { total: weights.iter().sum(), weights, non_finite, work }
     }
 
-    pub(super) fn weights(&self) -> &[f64] {
-        &self.weights
-    }
-
     /// b̂_j = mean weight.
     pub(super) fn b(&self) -> f64 {
         if self.weights.is_empty() { 0.0 } else { self.total / self.weights.len() as f64 }
+    }
+
+    /// Adds a round's samples to the counts of their stratum.
+    pub(super) fn count(&self, stats: &mut StratumStats) {
+        stats.samples += self.weights.len() as u64;
+        stats.weight_sum += self.total;
+        stats.weight_squares += self.weights.iter().map(|w| w * w).sum::<f64>();
+        stats.non_finite_samples += self.non_finite;
+        stats.sample_work += self.work;
+        stats.dark_rounds += u64::from(self.b() == 0.0);
     }
 
     /// Draws `count` samples in proportion to their weights, by systematic resampling: sample i is drawn

@@ -100,8 +100,8 @@ where
         SampleKey { seed: self.seed, round, stratum: stratum as u64, sample }
     }
 
-    /// The independent samples of all strata, in blocks so that one large stratum keeps all threads busy.
-    fn bootstraps(&self, round: u64) -> Vec<Bootstrap> {
+    /// The independent samples of all strata in a round, in blocks so that one large stratum keeps all threads busy.
+    pub(super) fn bootstraps(&self, round: u64) -> Vec<Bootstrap> {
         let blocks: Vec<_> = (self.shares.iter().enumerate())
             .flat_map(|(j, share)| (0..share.samples).step_by(BOOTSTRAP_BLOCK as usize).map(move |first| (j, first)))
             .collect();
@@ -200,13 +200,7 @@ where
             total.strata[chain.stratum].merge(&tally.strata[0]);
         }
         for (stats, bootstrap) in total.strata.iter_mut().zip(&prepared.bootstraps) {
-            let weights = bootstrap.weights();
-            stats.samples += weights.len() as u64;
-            stats.weight_sum += weights.iter().sum::<f64>();
-            stats.weight_squares += weights.iter().map(|w| w * w).sum::<f64>();
-            stats.non_finite_samples += bootstrap.non_finite;
-            stats.sample_work += bootstrap.work;
-            stats.dark_rounds += u64::from(bootstrap.b() == 0.0);
+            bootstrap.count(stats);
         }
     }
 }

@@ -10,6 +10,9 @@ use std::ops::Range;
 /// Number of the first pilot round: pilot and production rounds share no random numbers.
 pub const PILOT: u64 = 1 << 55;
 
+/// Number of the round whose samples tell their spread, and go into no image and no pilot.
+const SPREAD: u64 = PILOT << 1;
+
 /// What pilot rounds tell about one stratum.
 ///
 /// With n mutations and m independent samples in a round, the stratum leaves the error
@@ -80,6 +83,30 @@ struct Moments {
 }
 
 impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
+    /// Σ_j V_j / Σ_j b_j², V_j being the variance of one independent sample's weight, from a round's samples that go into no image;
+    /// `None` if they found no light. And the work that they took.
+    pub fn spread(&self) -> (Option<f64>, u64)
+    where
+        P: Path,
+        S: Stratum<P> + Sync,
+        I: Importance<P> + Sync,
+        Self: Sync,
+    {
+        let mut total = [0.0; 2];
+        let mut work = 0;
+        for bootstrap in self.bootstraps(SPREAD) {
+            let mut stats = StratumStats::default();
+            bootstrap.count(&mut stats);
+            // E[b̂²] = b² + V/m.
+            let variance = stats.weight_variance();
+            let square = stats.b() * stats.b() - variance / stats.samples as f64;
+            total = [total[0] + variance, total[1] + square];
+            work += stats.sample_work;
+        }
+        let [variance, square] = total;
+        ((square > 0.0).then_some(variance / square), work)
+    }
+
     /// Runs rounds that go into no image, and measures. `weigh` makes the weights w from the image (sums over channels)
     /// of these rounds.
     pub fn pilot<const C: usize>(&self, sites: u32, rounds: Range<u64>, weigh: &dyn Fn(&[f64]) -> Vec<f64>) -> Piloted
@@ -238,6 +265,23 @@ mod tests {
         let Piloted { measures, .. } = with_estimator(&strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
         let fitted = allocate(&measures, &shares, MUTATIONS, MUTATIONS_A_SAMPLE);
         (measures, fitted)
+    }
+
+    #[test]
+    fn the_spread_is_the_strata_s_variance_over_their_b_squared() {
+        let shares = [Share { mutations: 0, samples: 20_000 }; 4];
+        let moments = |j: u32| {
+            let weights =
+                (0..1000).map(|i| importance(&Point((f64::from(j) + (f64::from(i) + 0.5) / 1000.0) / 4.0)) / 4.0);
+            let [sum, squares] = weights.fold([0.0, 0.0], |[s, q], w| [s + w, q + w * w]);
+            [sum / 1000.0, squares / 1000.0 - sum * sum / 1e6]
+        };
+        let of = |part: usize| (0..4).map(|j| moments(j)[part].powi(2 - part as i32)).sum::<f64>();
+        let (spread, _) = with_estimator(&strata([1.0; 4]), &shares, |e| e.spread());
+        let (found, exact) = (spread.expect("light"), of(1) / of(0));
+        assert!((found / exact - 1.0).abs() < 0.04, "{found}, exactly {exact}");
+        let dark = &strata([1.0; 4])[1..2];
+        assert_eq!(with_estimator(dark, &shares[1..2], |e| e.spread()).0, None);
     }
 
     /// Means and standard errors of the sites after many rounds with the given shares.

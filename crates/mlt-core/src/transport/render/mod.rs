@@ -6,7 +6,7 @@ mod error;
 mod planned;
 mod settings;
 
-use super::adapt::{Adapted, Pilot, error_weights};
+use super::adapt::{Adapted, Pilot, Weights, error_weights};
 use super::auto::{self, Plan, Summary};
 use super::bdpt::{Bidirectional, MOST_EDGES};
 use super::importance::{PixelImportance, Target};
@@ -24,10 +24,10 @@ use crate::engine::{
     self, Estimator, Film, Importance, MUTATIONS_A_SAMPLE, Metropolis, Mixture, Mutation, Outcome, Path, Progress,
     Share, Splat, Stratum, Tally, shares_by_power,
 };
-use crate::primary::{PrimaryImportance, PrimaryMutation};
+use crate::primary::{PrimaryImportance, PrimaryMutation, PrimaryStratum};
 use std::ops::{ControlFlow, Range};
 
-use bootstrap::{BIDIRECTIONAL_MUTATIONS_A_SAMPLE, MULTIPLEXED_MUTATIONS_A_SAMPLE};
+use bootstrap::{Samples, fitted_shares};
 
 pub(super) use bootstrap::mutations_a_sample;
 pub(super) use counts::PilotCounts;
@@ -98,6 +98,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             Method::Metropolis => renderer.adapt(),
             Method::PrimaryBidirectional | Method::Multiplexed => {
                 renderer.strata = LightStrata::new(lights, renderer.settings.stratification);
+                (renderer.shares, renderer.pilot.rays) = renderer.primary_shares();
             }
             Method::Bidirectional | Method::Path => {}
         }
@@ -131,7 +132,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
 
     /// Chooses the strata and their shares.
     fn adapt(&mut self) {
-        let mutations = self.settings.per_pixel * f64::from(self.view.camera.pixels());
+        let mutations = self.mutations_a_round();
         let (view, max_edges, classes) = (self.view, self.max_edges(), self.settings.classes);
         let pilot = Pilot {
             lights: self.view.scene.lights(),
@@ -140,7 +141,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             classes: classes.count(max_edges, view.scene.has_specular()),
             mutations_a_sample: mutations_a_sample(view, MUTATIONS_A_SAMPLE),
             by_power: &|strata, mutations| {
-                self.shares_by_power(&LightStratum::product(strata, view, max_edges, classes), mutations)
+                let strata = LightStratum::product(strata, view, max_edges, classes);
+                shares_by_power(&strata, mutations, mutations_a_sample(view, MUTATIONS_A_SAMPLE))
             },
             measure: &|strata, shares, rounds| {
                 let strata = LightStratum::product(strata, view, max_edges, classes);
@@ -153,13 +155,12 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         };
         let Adapted { strata, shares, tally } = pilot.run(self.settings.stratification);
         (self.strata, self.shares, self.pilot) = (strata, shares, PilotCounts::of(&tally));
-        if self.settings.variant == Variant::MutationOnly {
-            self.shares = self.shares_by_power(&self.path_strata(&self.strata), mutations);
+        if self.settings.adaptation.weights == Weights::Power || self.settings.variant == Variant::MutationOnly {
+            let strata = self.path_strata(&self.strata);
+            let spread = |shares: &[Share]| self.estimator(&strata, shares, &self.mutations()).spread();
+            let (shares, rays) = fitted_shares(view, Samples::OF_PATHS, &strata, mutations, spread);
+            (self.shares, self.pilot.rays) = (shares, self.pilot.rays + rays);
         }
-    }
-
-    fn shares_by_power(&self, strata: &[LightStratum], mutations: f64) -> Vec<Share> {
-        shares_by_power(strata, mutations, mutations_a_sample(self.view, MUTATIONS_A_SAMPLE))
     }
 
     /// The strata of paths over parts of the lights.
@@ -208,19 +209,10 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
                 let mixture = self.mutations();
                 self.metropolis(&self.estimator(&strata, &self.shares, &mixture), run)
             }
-            Method::PrimaryBidirectional => {
-                let strata = self.part().all(|part| AllConnections { part });
-                self.primary(&strata, BIDIRECTIONAL_LARGE_STEPS, BIDIRECTIONAL_MUTATIONS_A_SAMPLE, run)
-            }
+            Method::PrimaryBidirectional => self.primary(&self.all_connections(), BIDIRECTIONAL_LARGE_STEPS, run),
             Method::Multiplexed => {
-                let techniques = Techniques::new(max_edges);
-                let strata = self.part().all(|part| Multiplexed { part, techniques: &techniques });
-                self.primary(
-                    &strata,
-                    multiplexed_large_steps(view.camera.pixels()),
-                    MULTIPLEXED_MUTATIONS_A_SAMPLE,
-                    run,
-                )
+                let large_steps = multiplexed_large_steps(view.camera.pixels());
+                self.primary(&self.multiplexed(&Techniques::new(max_edges)), large_steps, run)
             }
             Method::Bidirectional => self.evenly(&Bidirectional { view, region: &self.whole, max_edges }, run),
             Method::Path => {
@@ -228,6 +220,10 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
                 self.evenly(&PathTracer { view, next_event, max_edges, max_image_edges, branches: 1 }, run)
             }
         }
+    }
+
+    fn mutations_a_round(&self) -> f64 {
+        self.settings.per_pixel * f64::from(self.view.camera.pixels())
     }
 
     fn max_edges(&self) -> usize {
@@ -245,20 +241,63 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         }
     }
 
-    /// Metropolis in primary sample space, with shares by power.
-    fn primary<P, S>(&self, strata: &[S], large_steps: f64, usual: u64, run: Run) -> Outcome
+    fn multiplexed<'s>(&'s self, techniques: &'s Techniques) -> Vec<PrimaryStratum<Multiplexed<'s, I>>> {
+        self.part().all(|part| Multiplexed { part, techniques })
+    }
+
+    fn all_connections(&self) -> Vec<PrimaryStratum<AllConnections<'_, I>>> {
+        self.part().all(|part| AllConnections { part })
+    }
+
+    /// Shares of a method in primary sample space, and the rays that finding them took.
+    fn primary_shares(&self) -> (Vec<Share>, u64) {
+        match self.settings.method {
+            Method::Multiplexed => {
+                let techniques = Techniques::new(self.max_edges());
+                self.primary_shares_of(&self.multiplexed(&techniques), Samples::MULTIPLEXED)
+            }
+            _ => self.primary_shares_of(&self.all_connections(), Samples::BIDIRECTIONAL),
+        }
+    }
+
+    fn primary_shares_of<P, S>(&self, strata: &[S], samples: Samples) -> (Vec<Share>, u64)
+    where
+        P: Path,
+        S: Stratum<P> + Sync,
+        PrimaryMutation: Mutation<P, S> + Sync,
+        PrimaryImportance: Importance<P>,
+    {
+        let mixture = Mixture::new(Vec::new());
+        let spread = |shares: &[Share]| self.primary_estimator(strata, shares, &mixture).spread();
+        fitted_shares(self.view, samples, strata, self.mutations_a_round(), spread)
+    }
+
+    fn primary_estimator<'s, P, S>(
+        &self,
+        strata: &'s [S],
+        shares: &'s [Share],
+        mixture: &'s Mixture<P, S, PrimaryMutation>,
+    ) -> Metropolis<'s, P, S, PrimaryMutation, PrimaryImportance> {
+        Metropolis {
+            strata,
+            shares,
+            mixture,
+            importance: &PrimaryImportance,
+            seed: self.settings.seed,
+            work: rays_traced,
+        }
+    }
+
+    /// Metropolis in primary sample space.
+    fn primary<P, S>(&self, strata: &[S], large_steps: f64, run: Run) -> Outcome
     where
         P: Path<Splat = Splat<3>> + Send,
         S: Stratum<P> + Sync,
         PrimaryMutation: Mutation<P, S> + Sync,
         PrimaryImportance: Importance<P>,
     {
-        let mutations = self.settings.per_pixel * f64::from(self.view.camera.pixels());
-        let shares = shares_by_power(strata, mutations, mutations_a_sample(self.view, usual));
         let mixture = Mixture::new(PrimaryMutation::both(large_steps));
-        let (seed, work) = (self.settings.seed, rays_traced);
-        let importance = &PrimaryImportance;
-        self.metropolis(&Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work }, run)
+        self.metropolis(&self.primary_estimator(strata, &self.shares, &mixture), run)
     }
 
     fn metropolis<P, S, M, J>(&self, estimator: &Metropolis<P, S, M, J>, run: Run) -> Outcome
