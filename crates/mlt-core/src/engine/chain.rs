@@ -148,7 +148,8 @@ where
             0.0
         } else {
             mixture.weigh(&proposal.path, &mut proposal.suitabilities);
-            // p_m(y) / p_m(x) = s_m(y) Σ_n s_n(x) / (s_m(x) Σ_n s_n(y)); what s_m(y) = 0 says of the way back comes before a total of 0.
+            // p_m(y) / p_m(x) = s_m(y) Σ_n s_n(x) / (s_m(x) Σ_n s_n(y)). s_m(y) = 0 says that there is no way back, whatever the
+            // total is.
             let (x, y) = (&current.suitabilities, &proposal.suitabilities);
             let flow = flow * (y.each[mutation] * x.total);
             if flow == 0.0 { 0.0 } else { flow / (current.importance * x.each[mutation] * y.total) }

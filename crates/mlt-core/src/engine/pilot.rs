@@ -83,8 +83,8 @@ struct Moments {
 }
 
 impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
-    /// Σ_j V_j / Σ_j b_j², V_j being the variance of one independent sample's weight, from a round's samples that go into no image;
-    /// `None` if they found no light. And the work that they took.
+    /// Σ_j V_j / Σ_j b_j², V_j being the variance of one independent sample's weight, from a round's samples that go into
+    /// no image; `None` if they found no light. And the work that they took.
     pub fn spread(&self) -> (Option<f64>, u64)
     where
         P: Path,

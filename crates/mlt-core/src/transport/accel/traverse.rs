@@ -3,7 +3,8 @@
 //! Both queries are one generic function each, for both instruction sets. At each level the nearest-hit query keeps a key
 //! for every box that the ray meets: its distance, with the lane in the last bits. The next box is the one with the least
 //! key, found without a branch; one that lies beyond a hit ends the level. It is found before the box ahead of it is visited,
-//! so that its memory can be asked for early where the tree is large. The any-hit query takes boxes as they come and stops at the first hit.
+//! so that its memory can be asked for early where the tree is large. The any-hit query takes boxes as they come and stops
+//! at the first hit.
 //!
 //! **No box is missed.** Let ε = 2⁻²⁴ and M the largest absolute coordinate of the scene and the ray's origin. The
 //! triangle test sees vertices displaced by at most 10 εM, and the box test's numerators are off by at most 4 εM, so every
