@@ -1,0 +1,6 @@
+//! Scenes that once gave a wrong image, a wrong error bar or a refusal, each with its right value.
+//!
+//! `data/` holds the scenes, a folder each; its README says what each is and where its value comes from.
+
+mod support;
+mod controls;
