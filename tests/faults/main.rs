@@ -2,5 +2,5 @@
 //!
 //! `data/` holds the scenes, a folder each; its README says what each is and where its value comes from.
 
-mod support;
 mod controls;
+mod support;

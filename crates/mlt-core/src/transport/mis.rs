@@ -3,6 +3,13 @@
 //! A path of n vertices can be made with s vertices from the light and n − s from the camera, s = 0 … n − 1, with density
 //! p_s = Π_{i<s} forward_i · Π_{i≥s} reverse_i. Where s ≥ 1 the edge between x_{s−1} and x_s is a connection, which
 //! must not end at a delta vertex: else p_s = 0. x_0 and x_{k−1} are drawn on what [`Ends`] says.
+//!
+//! All densities of whole paths, and f, are stated relative to that of a random camera subpath,
+//!
+//! g(x) = Π_{1≤i<k} reverse_i,
+//!
+//! so that every product has one bounded quotient a vertex: f/g = L_e G(x_0, x_1) f_s(x_1) · (throughput of the subpath), and
+//! p_s/g = forward_0 Π_{1≤i<s} forward_i/reverse_i. Fifty geometric terms of 10⁷ overflow f64, their quotients do not.
 
 use super::path::PathVertex;
 
@@ -34,13 +41,24 @@ impl Ends {
     }
 }
 
-/// p_s.
+/// x_i's factor in g.
+#[inline]
+pub(super) fn reference(vertices: &[PathVertex], i: usize) -> f64 {
+    if i == 0 { 1.0 } else { vertices[i].reverse }
+}
+
+/// g(y)/g(x) over the first n vertices, which x and y have in common: those of the last two depend on what follows.
+#[inline]
+pub(super) fn kept_reference(x: &[PathVertex], y: &[PathVertex], n: usize) -> f64 {
+    (n.saturating_sub(2)..n).map(|i| reference(y, i) / reference(x, i)).product()
+}
+
+/// p_s/g.
 pub(super) fn density(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
-    let forward: f64 = vertices[..s].iter().map(|x| x.forward).product();
-    let reverse: f64 = vertices[s..].iter().map(|x| x.reverse).product();
-    let light = if s > 0 { ends.power } else { 1.0 };
-    let camera = if s + 1 < vertices.len() { ends.area } else { 1.0 };
-    forward * reverse / (light * camera)
+    let last = vertices.len() - 1;
+    let from_light: f64 = (0..s).map(|i| ends.forward(vertices, i) / reference(vertices, i)).product();
+    let from_eye: f64 = (s..last).map(|i| ends.reverse(vertices, i) / reference(vertices, i)).product();
+    from_light * from_eye
 }
 
 /// Whether x_{s−1} and x_s may be connected.

@@ -5,6 +5,7 @@ use super::bsdf::Evaluation;
 use super::camera::Camera;
 use super::light::LightPoint;
 use super::math::abs_dot;
+use super::mis;
 use super::scene::Scene;
 use super::vertex::Vertex;
 use crate::engine::{self, Splat};
@@ -77,7 +78,7 @@ pub struct LightPath {
     pub(super) vertices: Vec<PathVertex>,
     /// Where x_0 lies on its light.
     pub(super) light: LightPoint,
-    /// f(x), area-product measure, relative to the image's mean.
+    /// f(x)/g(x), g as in `mis`.
     pub(super) contribution: DVec3,
     /// Where it crosses the image, in [0, 1)².
     pub(super) image: Vec2,
@@ -111,7 +112,7 @@ impl engine::Path for LightPath {
     }
 }
 
-/// I(x) = luminance of f(x).
+/// I(x) = luminance of f(x)/g(x), relative to the density g(x) as all densities of whole paths are.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Luminance;
 
@@ -134,7 +135,8 @@ impl LightPath {
         self.vertices.len().saturating_sub(1)
     }
 
-    /// f(x): radiance, area-product measure, W_e normalised over the image.
+    /// f(x)/g(x), radiance per area of the lights: f with W_e normalised over the image, in the area-product measure, over the density
+    /// with which a random camera subpath has the vertices x_1 … x_{k−1}.
     pub fn contribution(&self) -> DVec3 {
         self.contribution
     }
@@ -176,7 +178,7 @@ impl LightPath {
     ///
     /// The ray between them, which costs most, comes last.
     pub(super) fn connect(&mut self, view: &View, s: usize, scattering: RangeInclusive<usize>) -> Option<()> {
-        if !super::mis::connectible(&self.vertices, s) {
+        if !mis::connectible(&self.vertices, s) {
             return None;
         }
         set_edge(&mut self.vertices, s - 1)?;
@@ -187,10 +189,12 @@ impl LightPath {
         view.scene.visible(&self.vertices[s - 1].vertex, &self.vertices[s].vertex).then_some(())
     }
 
-    /// f(x) = Π_i scatter_i Π_i G(x_i, x_{i+1}).
-    fn product(&self) -> DVec3 {
-        self.vertices.iter().fold(DVec3::ONE, |f, v| f * v.scatter.as_dvec3())
-            * self.vertices[..self.edges()].iter().map(|v| v.geometric_term).product::<f64>()
+    /// f(x)/g(x) = scatter_0 Π_{i<k} scatter_{i+1} G(x_i, x_{i+1}) / g_i.
+    pub(super) fn product(&self) -> DVec3 {
+        let vertices = &self.vertices;
+        (0..self.edges()).fold(vertices[0].scatter.as_dvec3(), |f, i| {
+            f * vertices[i + 1].scatter.as_dvec3() * (vertices[i].geometric_term / mis::reference(vertices, i))
+        })
     }
 
     /// Sets where it crosses the image.

@@ -6,7 +6,8 @@
 //! T(x→y | s, t) = P(d | n_x) / (n_x − d) · P(a | d) · Σ_{a′} P(a′ | a) Π_{s ≤ i < s+a′} forward_i(y) Π_{s+a′ ≤ i < s+a} reverse_i(y)
 //!
 //! All a′ that could have made y are counted. The way back deletes a and traces d, with the same s and t. Densities are those
-//! of [`Ends`]: x_0 is drawn on the stratum's part of the lights, and x_{k−1} through its part of the image.
+//! of [`Ends`]: x_0 is drawn on the stratum's part of the lights, and x_{k−1} through its part of the image. They are relative to g,
+//! as those of [`mis`] are; so the ratio has the factor g(y)/g(x) over the vertices that are kept on the light's side.
 //!
 //! Source: [VeachGuibas97], section 5.3.1; in a stratum: [Jankauski15], section 4.2.
 
@@ -128,7 +129,8 @@ impl Edit {
         let transition = |edit: &Self, from: &LightPath, to: &LightPath| {
             edit.probability(from.vertices.len(), within.max_edges()) * edit.density(&to.vertices, ends)
         };
-        transition(&self.undo(), proposal, current) / transition(self, current, proposal)
+        mis::kept_reference(&current.vertices, &proposal.vertices, self.s)
+            * (transition(&self.undo(), proposal, current) / transition(self, current, proposal))
     }
 
     /// P(d | n) / (n − d) · P(a | d).
@@ -186,7 +188,7 @@ impl Edit {
         if beyond < 0.0 { 0 } else { (1 + beyond as usize).min(self.added) }
     }
 
-    /// Σ_{a′} P(a′ | a) Π forward Π reverse over the new vertices of `path`.
+    /// Σ_{a′} P(a′ | a) Π forward/g Π reverse/g over the new vertices of `path`.
     fn density(&self, path: &[PathVertex], ends: Ends) -> f64 {
         // `sum`: over the splits so far, with the vertices so far; the later ones are still to be drawn from the camera.
         let technique = |split: usize| {
@@ -194,8 +196,10 @@ impl Edit {
         };
         let (mut sum, mut forward) = (technique(0), 1.0);
         for split in 0..self.added {
-            forward *= ends.forward(path, self.s + split);
-            sum = sum * ends.reverse(path, self.s + split) + forward * technique(split + 1);
+            let i = self.s + split;
+            let reference = mis::reference(path, i);
+            forward *= ends.forward(path, i) / reference;
+            sum = sum * (ends.reverse(path, i) / reference) + forward * technique(split + 1);
         }
         sum / self.split_weights()
     }
@@ -239,7 +243,7 @@ mod tests {
     use super::super::super::strata::{LightStrata, Stratification};
     use super::super::super::testing::{World, glass, glossy, lambert, mirror, room, two_lights, worlds};
     use super::super::super::tests::balance::{Imbalance, imbalance, imbalance_in_tiles};
-    use super::super::super::tests::paths::check_recomputed;
+    use super::super::super::tests::paths::{check_recomputed, long_path};
     use super::*;
     use crate::engine::{Generator, Purpose, Stratum, generator};
     use crate::transport::Rgb;
@@ -289,6 +293,26 @@ mod tests {
                 }
             }
             assert!(compared > 1000, "{name}: {compared}");
+        }
+    }
+
+    #[test]
+    fn long_paths_have_finite_ratios() {
+        let world = room(mirror(), true);
+        let strata = LightStrata::new(world.scene.lights(), Stratification::None);
+        let within = &LightStratum::all(&strata, world.view(), 1000)[0];
+        for (exponent, (s, deleted, added)) in
+            [-9.0, 9.0].into_iter().flat_map(|e| [(0, 200, 201), (90, 2, 3), (5, 190, 191)].map(|edit| (e, edit)))
+        {
+            let edit = Edit { s, t: 201 - s - deleted, deleted, added };
+            let x = long_path(200, exponent, 1);
+            let mut y = long_path(201, exponent, 2);
+            // What is kept is the same; all but the densities next to what changes.
+            y.vertices[..s].copy_from_slice(&x.vertices[..s]);
+            y.vertices[s.saturating_sub(2)..s].iter_mut().for_each(|v| v.reverse *= 1.3);
+            let (there, back) = (edit.ratio(&x, &y, within), edit.undo().ratio(&y, &x, within));
+            assert!(there.is_normal() && back.is_normal(), "10^{exponent}: {there}, {back}");
+            assert!((there * back - 1.0).abs() < 1e-9, "10^{exponent}: {there}, {back}");
         }
     }
 
@@ -369,11 +393,13 @@ mod tests {
         println!("z = {:.2}", found.z);
         found.assert_detected("with the wrong weight of a split");
         let found = with_ratio(|edit, split, x, y, within| {
-            let made = y.vertices[edit.s..edit.s + split].iter().map(|v| v.forward).product::<f64>()
-                * y.vertices[edit.s + split..edit.s + edit.added].iter().map(|v| v.reverse).product::<f64>();
-            let power = if edit.s == 0 && split > 0 { within.region().power() } else { 1.0 };
+            let drawn = |i: usize| match i < edit.s + split {
+                true => ends(within).forward(&y.vertices, i),
+                false => ends(within).reverse(&y.vertices, i),
+            };
+            let made: f64 = (edit.s..edit.s + edit.added).map(|i| drawn(i) / mis::reference(&y.vertices, i)).product();
             let all: f64 = (0..=edit.added).map(|split| edit.split_weight(split)).sum();
-            let one = edit.split_weight(split) / all * made / power;
+            let one = edit.split_weight(split) / all * made;
             edit.ratio(x, y, within) * edit.density(&y.vertices, ends(within)) / one
         });
         println!("z = {:.2}", found.z);

@@ -7,15 +7,19 @@
 //! q_i = |cosθ_i| / d²              after a turn,             d: distance to the vertex before
 //! q_i = forward_i / P(event)       after a specular vertex   (reverse_i where the tracing goes towards the light)
 //! q_i = reverse_i                  after the camera.
+//!
+//! All of them are taken relative to the density g of [`mis`], which changes at the vertices that are kept, too.
 
 use super::super::camera::Camera;
 use super::super::math::{eighth_turn, frame, on_circle};
+use super::super::mis::{kept_reference, reference};
 use super::super::path::{LightPath, View};
 use super::super::stratum::LightStratum;
 use super::super::subpath::{follow_from_eye, follow_from_light, start_at_eye};
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 use std::f32::consts::PI;
+use std::ops::Range;
 
 /// How often a perturbation is chosen where it applies, relative to the bidirectional mutation: it costs less and is accepted
 /// three times as often.
@@ -140,8 +144,7 @@ impl<'a> FromEye<'a> {
         } else {
             proposal.connect(view, m, changed)?;
         }
-        let density = |path: &LightPath| -> f64 { (m..last).map(|i| density_from_eye(view, path, i)).product() };
-        Some(density(current) / density(proposal))
+        Some(ratio([current, proposal], m..last, |path, i| density_from_eye(view, path, i)))
     }
 }
 
@@ -165,8 +168,15 @@ pub(super) fn perturb_from_light(
         follow_from_light(&mut proposal.vertices, i, direction, view)?;
     }
     proposal.connect(view, last, l..=last)?;
-    let density = |path: &LightPath| -> f64 { (l + 1..last).map(|i| density_from_light(view, path, i, l)).product() };
-    Some(density(current) / density(proposal))
+    Some(ratio([current, proposal], l + 1..last, |path, i| density_from_light(view, path, i, l)))
+}
+
+/// T(y→x)/T(x→y), relative to g, of vertices that are replaced with these densities q_i.
+#[inline(always)]
+fn ratio([x, y]: [&LightPath; 2], replaced: Range<usize>, q: impl Fn(&LightPath, usize) -> f64) -> f64 {
+    let relative = |path: &LightPath, i: usize| q(path, i) / reference(&path.vertices, i);
+    let kept = kept_reference(&x.vertices, &y.vertices, replaced.start);
+    replaced.map(|i| relative(x, i) / relative(y, i)).product::<f64>() * kept
 }
 
 /// Which end of the path the tracing goes to.

@@ -83,7 +83,7 @@ fn pose() -> CameraPose {
     }
 }
 
-/// π.
+/// π/g.
 fn target(path: &LightPath, power: f64) -> f64 {
     let ends = Ends::of_image(power);
     let technique =

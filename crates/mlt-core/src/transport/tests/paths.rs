@@ -1,12 +1,14 @@
 //! Weights of techniques, and the values that a path carries.
 
+use super::super::Rgb;
 use super::super::bdpt::Bidirectional;
 use super::super::mis::{self, Ends};
 use super::super::path::{LightPath, PathVertex, set_edge};
 use super::super::region::LightRegion;
 use super::super::testing::{World, worlds};
-use crate::engine::{Purpose, generator, uniform_f32};
-use glam::{DVec3, Vec2};
+use super::super::vertex::Vertex;
+use crate::engine::{Purpose, generator, uniform, uniform_f32};
+use glam::{DVec3, Vec2, Vec3A};
 use std::collections::BTreeMap;
 
 /// Shows the connected paths of `samples` samples.
@@ -38,6 +40,41 @@ fn weights_of_all_techniques_of_a_path_sum_to_one() {
             paths += 1;
         });
         assert!(paths > 5000, "{name}: {paths} paths");
+    }
+}
+
+/// A path between diffuse surfaces whose geometric terms are about 10^`exponent` each.
+pub(crate) fn long_path(edges: usize, exponent: f64, seed: u64) -> LightPath {
+    let mut rng = generator(seed, Purpose::Sample, 0, 0, 0);
+    let mut vertices = vec![PathVertex::new(Vertex::camera(Vec3A::ZERO, Vec3A::Z)); edges + 1];
+    for i in 0..edges {
+        let cosines = [(); 2].map(|()| 0.5 + 0.5 * uniform(&mut rng));
+        let per_square = libm::exp10(exponent + uniform(&mut rng) - 0.5);
+        let [here, there] = &mut vertices[i..i + 2] else { unreachable!() };
+        here.geometric_term = cosines[0] * cosines[1] * per_square;
+        [here.reverse, there.forward] = [here.geometric_term; 2];
+    }
+    vertices.iter_mut().for_each(|x| x.scatter = Rgb::splat(0.9));
+    (vertices[0].forward, vertices[edges].reverse) = (1.0, 1.0);
+    LightPath { vertices, ..LightPath::default() }
+}
+
+/// 200 edges in a room that is small or large for its unit of length. The plain products are the control.
+#[test]
+fn long_paths_stay_finite_in_any_unit() {
+    for exponent in [-9.0, 0.0, 9.0] {
+        let mut path = long_path(200, exponent, 1);
+        let ends = Ends::of_image(2.0);
+        path.contribution = path.product();
+        let first = path.vertices[0].geometric_term;
+        let expected = 0.9f64.powi(201) * first;
+        assert!((path.contribution.x / expected - 1.0).abs() < 1e-4, "{exponent}: {}", path.contribution.x / expected);
+        let vertices = path.vertices();
+        let weights: f64 = (0..=200).map(|s| mis::weight(vertices, s, ends)).sum();
+        assert!((weights - 1.0).abs() < 1e-9, "{exponent}: {weights}");
+        assert!((0..=200).all(|s| mis::density(vertices, s, ends).is_normal()), "{exponent}");
+        let plain: f64 = vertices.iter().map(|x| x.geometric_term).take(200).product();
+        assert_eq!(plain.is_normal(), exponent == 0.0, "{exponent}: {plain}");
     }
 }
 
