@@ -3,4 +3,5 @@
 //! `data/` holds the scenes, a folder each; its README says what each is and where its value comes from.
 
 mod controls;
+mod paths;
 mod support;

@@ -181,7 +181,8 @@ impl LightPath {
         if !mis::connectible(&self.vertices, s) {
             return None;
         }
-        set_edge(&mut self.vertices, s - 1)?;
+        let edge = Edge::between(&self.vertices[s - 1].vertex, &self.vertices[s].vertex)?;
+        set_edge(&mut self.vertices[s - 1], edge);
         if s == self.edges() {
             self.cross(view, view.camera.image_point(-self.vertices[s - 1].to_eye)?);
         }
@@ -224,17 +225,31 @@ pub(super) struct Edge {
 }
 
 impl Edge {
-    /// `None` if the two coincide.
+    /// A connection; `None` if the two coincide.
     #[inline(always)]
     pub(super) fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
-        // Root and reciprocal do not wait for each other, nor the cosines for either.
-        let d = y.position - x.position;
-        let square = d.length_squared();
+        // Root and reciprocal do not wait for each other.
+        let step = y.position - x.position;
+        let square = step.length_squared();
         let inverse_square = 1.0 / square;
-        let inverse = inverse_square * square.sqrt();
-        let cosines = [x, y].map(|end| abs_dot(end.geometric_normal, d) * inverse);
-        let edge = Self { direction: d * inverse, inverse_square, cosines };
-        (square > 0.0 && inverse_square.is_finite()).then_some(edge)
+        let direction = step * (inverse_square * square.sqrt());
+        (square > 0.0 && inverse_square.is_finite()).then(|| Self::new(direction, inverse_square, [x, y]))
+    }
+
+    /// What a ray from one to the other followed, in this unit direction from `x` to `y`.
+    ///
+    /// The positions do not give it back: they are rounded, and the ray starts off the surface, by as much as a pane of glass may
+    /// be thick. What follows behind a specular surface depends on it. The length is less exact and matters less: between specular
+    /// surfaces it is a factor of f and of every density.
+    #[inline(always)]
+    pub(super) fn along(direction: Vec3A, x: &Vertex, y: &Vertex) -> Self {
+        let square = x.position.distance_squared(y.position).max(f32::MIN_POSITIVE);
+        Self::new(direction, 1.0 / square, [x, y])
+    }
+
+    #[inline(always)]
+    fn new(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
+        Self { direction, inverse_square, cosines: ends.map(|end| abs_dot(end.geometric_normal, direction)) }
     }
 
     /// G = |cosθ cosθ'| / d².
@@ -244,14 +259,11 @@ impl Edge {
     }
 }
 
-/// Sets the edge from x_i to x_{i+1}; `None` if they coincide.
+/// Sets the edge from x_i to x_{i+1}.
 #[inline(always)]
-pub(super) fn set_edge(vertices: &mut [PathVertex], i: usize) -> Option<()> {
-    let [x, y] = vertices.get_mut(i..i + 2)? else { return None };
-    let edge = Edge::between(&x.vertex, &y.vertex)?;
+pub(super) fn set_edge(x: &mut PathVertex, edge: Edge) {
     x.geometric_term = edge.geometric_term();
     Edge { direction: x.to_eye, inverse_square: x.inverse_square, cosines: x.cosines } = edge;
-    Some(())
 }
 
 /// Sets the scattering at x_i, whose edges are set, and the densities of its two neighbours, drawn from it.

@@ -4,8 +4,9 @@
 //! a camera subpath towards smaller ones. A finished path needs no turning round.
 
 use super::light::LightPoint;
-use super::path::{PathVertex, View, set_edge};
+use super::path::{Edge, PathVertex, View, set_edge};
 use super::region::LightRegion;
+use super::vertex::Vertex;
 use crate::engine::{uniform, uniform_f32};
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
@@ -34,16 +35,20 @@ pub(super) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View
 /// Follows a direction from x_i to x_{i+1}, and sets the edge between them.
 #[inline(always)]
 pub(super) fn follow_from_light(vertices: &mut [PathVertex], i: usize, direction: Vec3A, view: &View) -> Option<()> {
-    vertices[i + 1] = PathVertex::new(view.scene.trace(&vertices[i].vertex, direction)?);
-    set_edge(vertices, i)
+    let seen = view.scene.trace(&vertices[i].vertex, direction)?;
+    vertices[i + 1] = PathVertex::new(seen);
+    let x = &mut vertices[i];
+    set_edge(x, Edge::along(direction, &x.vertex, &seen));
+    Some(())
 }
 
 /// Follows the ray through a point of the image from the camera x_i to x_{i−1}, and sets the edge between them.
 #[inline(always)]
 pub(super) fn start_at_eye(vertices: &mut [PathVertex], i: usize, image: Vec2, view: &View) -> Option<()> {
-    let seen = view.scene.trace_ray(view.camera.origin(), view.camera.step(image))?;
-    vertices[i - 1] = PathVertex::new(seen);
-    set_edge(vertices, i - 1)
+    let direction = view.camera.direction(image);
+    let seen = view.scene.trace_ray(view.camera.origin(), direction)?;
+    add_towards_light(vertices, i, direction, seen);
+    Some(())
 }
 
 /// Draws x_{i−1} from x_i, a surface, and sets the edge between them. The edge to x_{i+1} must be set.
@@ -57,6 +62,15 @@ pub(super) fn step_from_eye(vertices: &mut [PathVertex], i: usize, view: &View, 
 /// Follows a direction from x_i to x_{i−1}, and sets the edge between them.
 #[inline(always)]
 pub(super) fn follow_from_eye(vertices: &mut [PathVertex], i: usize, direction: Vec3A, view: &View) -> Option<()> {
-    vertices[i - 1] = PathVertex::new(view.scene.trace(&vertices[i].vertex, direction)?);
-    set_edge(vertices, i - 1)
+    let seen = view.scene.trace(&vertices[i].vertex, direction)?;
+    add_towards_light(vertices, i, direction, seen);
+    Some(())
+}
+
+/// Sets x_{i−1}, seen from x_i in a direction, and the edge between them.
+#[inline(always)]
+fn add_towards_light(vertices: &mut [PathVertex], i: usize, direction: Vec3A, seen: Vertex) {
+    let mut x = PathVertex::new(seen);
+    set_edge(&mut x, Edge::along(-direction, &seen, &vertices[i].vertex));
+    vertices[i - 1] = x;
 }

@@ -472,6 +472,7 @@ fn finite_whatever_the_input() {
             let (f, p) = (b.eval(n, d, given), b.pdf(n, given, d));
             assert!(f.is_finite() && f.min_element() >= 0.0, "{b:?} {n} {given} {d}: {f}");
             assert!(p.is_finite() && p >= 0.0, "{b:?} {n} {given} {d}: {p}");
+            assert!(p > 0.0 || f == Rgb::ZERO, "{b:?} {n} {given} {d}: {f} can never be drawn");
             assert!((0.0..=1.0).contains(&b.event_probability(n, given, d)));
         }
         if let Some(d) = sampled.filter(|d| b.pdf(n, given, *d) > 0.0) {

@@ -40,7 +40,8 @@ pub(super) fn turned(unit: Vec3A, rng: &mut impl Rng) -> Vec3A {
     let (angle, about) = ANGLE.draw(rng);
     let Vec2 { x: cos, y: sin } = eighth_turn(angle);
     let (s, t) = frame(unit);
-    cos * unit + sin * (about.x * s + about.y * t)
+    // Turned again and again, a vector that is not of length 1 would drift away from it.
+    (cos * unit + sin * (about.x * s + about.y * t)).normalize()
 }
 
 /// The law of moves on an image: by a distance with density ∝ 1/r in steps, in pixels, in any direction.

@@ -11,12 +11,13 @@ use super::super::description::SceneDescription;
 use super::super::material::Material;
 use super::super::mesh::Mesh;
 use super::super::mis::{self, Ends};
-use super::super::path::{LightPath, View, set_edge};
+use super::super::path::{LightPath, View};
 use super::super::region::LightRegion;
 use super::super::scene::Scene;
 use super::super::strata::{LightStrata, Stratification};
 use super::super::stratum::LightStratum;
 use super::super::testing::{World, lambert, mirror, room};
+use super::super::tests::paths::set_edges_anew;
 use super::{PathMutation, Perturbations};
 use crate::engine::{Mutation, Purpose, generator};
 use glam::{DVec3, Vec3A};
@@ -223,7 +224,7 @@ fn proposals_are_complete() {
                 }
                 let mut anew = proposal.clone();
                 let last = anew.edges();
-                (0..last).for_each(|i| set_edge(&mut anew.vertices, i).expect("an edge"));
+                set_edges_anew(&mut anew);
                 anew.update(&view, 0..=last).expect("it contributes");
                 let close = |a: f64, b: f64| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
                 let same = (1..last).all(|i| {

@@ -3,9 +3,9 @@
 use super::super::Rgb;
 use super::super::bdpt::Bidirectional;
 use super::super::mis::{self, Ends};
-use super::super::path::{LightPath, PathVertex, set_edge};
+use super::super::path::{Edge, LightPath, PathVertex, set_edge};
 use super::super::region::LightRegion;
-use super::super::testing::{World, worlds};
+use super::super::testing::{World, glass, quad, walls, worlds};
 use super::super::vertex::Vertex;
 use crate::engine::{Purpose, generator, uniform, uniform_f32};
 use glam::{DVec3, Vec2, Vec3A};
@@ -78,6 +78,31 @@ fn long_paths_stay_finite_in_any_unit() {
     }
 }
 
+/// Through a pane no thicker than a few rounding errors of its position light goes on in parallel. The direction from one face to
+/// the other, by their points, is the control.
+#[test]
+fn light_leaves_a_thin_pane_as_it_came() {
+    let face = |y: f64, x: f64| quad([[-x, 0.9], [x, 0.9], [x, -0.9], [-x, -0.9]].map(|[x, z]| DVec3::new(x, y, z)));
+    let world = walls().surface(face(0.3, -0.9), glass(0.0)).surface(face(0.30001, 0.9), glass(0.0)).seen(
+        DVec3::new(0.2, 0.1, 3.4),
+        DVec3::ZERO,
+        38.0,
+        [16, 16],
+    );
+    let (mut turns, mut inside) = (0f32, 0f32);
+    visit_paths(&world, 2000, |path, _| {
+        for [before, a, b] in path.vertices().array_windows() {
+            let through = before.to_eye.y * a.to_eye.y > 0.0 && a.to_eye.y * b.to_eye.y > 0.0;
+            if through && a.vertex.delta && b.vertex.delta {
+                turns = turns.max(before.to_eye.distance(b.to_eye));
+                let step = b.vertex.position - a.vertex.position;
+                inside = inside.max(a.to_eye.distance(step.normalize_or_zero()));
+            }
+        }
+    });
+    assert!(turns < 1e-5 && inside > 1e-3, "{turns} and {inside}");
+}
+
 #[test]
 fn cached_values_equal_recomputed_ones() {
     for (name, world) in worlds() {
@@ -115,12 +140,20 @@ fn samples_for_the_image_are_those_of_paths() {
     }
 }
 
-/// Whether everything a path carries follows from its vertices alone.
+/// Computes the edges from their ends and directions.
+pub(crate) fn set_edges_anew(path: &mut LightPath) {
+    for i in 0..path.edges() {
+        let edge = Edge::along(path.vertices[i].to_eye, &path.vertices[i].vertex, &path.vertices[i + 1].vertex);
+        set_edge(&mut path.vertices[i], edge);
+    }
+}
+
+/// Whether everything a path carries follows from its vertices and the directions between them.
 pub(crate) fn check_recomputed(name: &str, path: &LightPath, world: &World) {
     let mut again = path.clone();
-    again.vertices.iter_mut().for_each(|v| *v = PathVertex::new(v.vertex));
+    again.vertices.iter_mut().for_each(|v| *v = PathVertex { to_eye: v.to_eye, ..PathVertex::new(v.vertex) });
     let last = path.edges();
-    (0..last).for_each(|i| set_edge(&mut again.vertices, i).unwrap());
+    set_edges_anew(&mut again);
     again.update(&world.view(), 0..=last).unwrap();
     assert_eq!(path.contribution, again.contribution, "{name}");
     // The image's point is the one that was drawn; its ray leads back there but for rounding.
