@@ -12,7 +12,7 @@ fn long_paths_in_a_small_room_are_kept() {
     render("stray95-1e3/scene.gltf", "--size 16x16 --samples-per-pixel 256").expect_b(2.126, 0.006);
 }
 
-/// Without the paths of more than 44 edges, 3 % of the light would be lacking.
+/// What one of the methods once gave.
 #[test]
 #[should_panic(expected = "not 2.06")]
 fn a_loss_of_long_paths_would_be_seen() {
