@@ -3,7 +3,7 @@
 mod scene_support;
 
 use glam::{DVec3, Vec3};
-use mlt_core::transport::bsdf::Bsdf;
+use mlt_core::transport::{bsdf::Bsdf, description::SceneDescription};
 use mlt_scene::{BUILTIN, Loaded, SceneError, bounds, camera_framing, camera_look_at, open};
 use scene_support::{check_sentence, load_files};
 use std::{collections::HashMap, fmt::Write};
@@ -138,22 +138,162 @@ fn what_does_not_parse_is_refused_with_the_line() {
         ("f 1 2 0", "out of bounds"),
         ("f 1 2 x", "face parse error at line 4"),
         ("f 9223372036854775807 -9223372036854775808 1", "scene.obj"),
-        ("f", "invalid polygon"),
         ("v 1 2", "position parse error at line 4"),
         ("v a b c", "position"),
         ("v 1 2 3 0", "scaling"),
         ("vn 0 0 1\nf 1//2 2//1 3//1", "normal index"),
-        ("usemtl", "material"),
     ] {
         let error = load(&format!("{TRIANGLE}{tail}\n")).unwrap_err().to_string();
         check_sentence(&error);
         assert!(error.contains(needle), "{tail}: {error}");
     }
-    for mtl in ["newmtl m\nKs 0 0", "newmtl m\nKd red", "newmtl m\nNs", "newmtl", "newmtl m\nillum x"] {
-        let error = load_with("f 1 2 3", mtl).unwrap_err().to_string();
-        check_sentence(&error);
-        assert!(error.contains("scene.mtl") && error.contains(" at line "), "{mtl}: {error}");
+}
+
+/// The names of the first mesh's material, and the warnings.
+fn material_of(obj: &str, mtl: &str) -> (String, Vec<String>) {
+    let files: [(&str, &[u8]); 2] = [("scene.obj", obj.as_bytes()), ("scene.mtl", mtl.as_bytes())];
+    let loaded = load_files(&files).unwrap_or_else(|error| panic!("{obj:?} {mtl:?}: {error}"));
+    let SceneDescription { meshes, materials, .. } = loaded.description;
+    (materials[meshes[0].material as usize].name.clone(), loaded.warnings)
+}
+
+#[test]
+fn names_are_found_however_they_are_written() {
+    let two = "newmtl other\nKd 1 0 0\n";
+    for (used, defined) in [
+        ("usemtl\twall red", "newmtl wall red"),
+        ("usemtl wall red  ", "newmtl\twall red\t"),
+        ("usemtl \"wall red\"", "newmtl wall red"),
+        ("usemtl wall", "newmtl \"wall\" # the wall"),
+        ("usemtl wall # the wall", "newmtl wall"),
+        ("usemtl wall #the wall", "newmtl wall#the wall\nnewmtl wall"),
+        ("usemtl wall #2", "newmtl wall #1\nnewmtl wall #2"),
+        ("usemtl wall\\\n red", "newmtl wall red"),
+        ("USEMTL Wall", "NEWMTL Wall"),
+        ("usemtl", "newmtl"),
+        ("usemtl # none", "newmtl unnamed"),
+    ] {
+        let (name, warnings) = material_of(
+            &format!("mtllib scene.mtl\n{TRIANGLE}{used}\nf 1 2 3\n"),
+            &format!("{two}{defined}\nKd 0 1 0\n"),
+        );
+        assert!(name != "other" && name != "grey" && warnings.is_empty(), "{used} {defined}: {name} {warnings:?}");
+        assert!(!used.contains("#2") || name.contains("#2"), "{name}");
     }
+    let (name, warnings) = material_of(&format!("mtllib scene.mtl\n{TRIANGLE}usemtl \nf 1 2 3\n"), two);
+    assert_eq!((name.as_str(), warnings.len()), ("grey", 1), "{warnings:?}");
+}
+
+#[test]
+fn libraries_are_found_however_they_are_written() {
+    for statement in [
+        "mtllib scene.mtl",
+        "mtllib \t\"scene.mtl\"",
+        "mtllib scene.mtl # all of them",
+        "MTLLIB scene.mtl",
+        "mtllib gone.mtl scene.mtl",
+        "mtllib a b.mtl scene.mtl",
+        "mtllib \"a b.mtl\" \"scene.mtl\"",
+        "mtllib gone scene.mtl",
+        "mtllib gone \\\nscene.mtl",
+        "mtllib .\\scene.mtl",
+        "mtllib scene.mtl scene.mtl\nmtllib scene.mtl",
+    ] {
+        let (name, warnings) =
+            material_of(&format!("{statement}\n{TRIANGLE}usemtl m\nf 1 2 3\n"), "newmtl m\nKd 1 0 0\n");
+        let missing = usize::from(statement.contains("gone.mtl") || statement.contains("a b"));
+        assert!(name == "m" && warnings.len() == missing, "{statement}: {name} {warnings:?}");
+    }
+    let all: [(&str, &[u8]); 3] = [
+        ("scene.obj", b"mtllib a b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl y\nf 1 2 3"),
+        ("a", b"newmtl x"),
+        ("b", b"newmtl y"),
+    ];
+    assert_eq!(load_files(&all).unwrap().warnings, [""; 0]);
+}
+
+#[test]
+fn statements_that_cannot_be_read_are_left_out_with_a_warning() {
+    for statement in [
+        "Ks 0 0",
+        "Kd xyz 1 1 1",
+        "Kd spectral a.rfl 1",
+        "Ns",
+        "illum x",
+        "d -halo 0.5",
+        "map_Kd",
+        "Ke 1 nan? 1",
+        "Ni -1.#IND",
+    ] {
+        let loaded = load_with("f 1 2 3", &format!("Kd 1 1\nnewmtl m\n{statement}\nKd 0.25 0.5 0.75\n")).unwrap();
+        let expected = format!("material `m`: `{statement}` cannot be read; the default stands in");
+        assert!(loaded.warnings.contains(&expected) && loaded.warnings.len() == 2, "{:?}", loaded.warnings);
+        let diffuse = Vec3::new(0.25, 0.5, 0.75);
+        assert!(matches!(&loaded.description.materials[0].bsdf, Bsdf::Lambert(l) if l.reflectance == diffuse));
+    }
+    let loaded = load_with("f 1 2 3", "newmtl m\nillum 2.0 # it is\nKA spectral x\nKD 0.25 # grey\nNS\t9\n").unwrap();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    assert!(matches!(&loaded.description.materials[0].bsdf, Bsdf::Lambert(l) if l.reflectance == Vec3::splat(0.25)));
+}
+
+#[test]
+fn lines_may_end_and_go_on_as_they_like() {
+    let plain = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    let expected = load(plain).unwrap().description.meshes;
+    for text in [
+        plain.replace('\n', "\r"),
+        plain.replace('\n', "\r\n"),
+        format!("\u{feff}{plain}"),
+        plain.replace(' ', "\t \t").replace('\n', " \t\n"),
+        plain.replace(' ', " \\\n"),
+        plain.replace(' ', " \\  \r\n "),
+        plain.replace('\n', " # remark \\\n"),
+        plain.replace('v', "V").replace('f', "fo"),
+        plain.to_uppercase(),
+        plain.replace("f 1 2 3 4", "g\no\ns\nf 1// 2// -2// -1// \\"),
+    ] {
+        let meshes = load(&text).unwrap_or_else(|error| panic!("{text:?}: {error}")).description.meshes;
+        assert_eq!(
+            (&meshes[0].positions, &meshes[0].triangles),
+            (&expected[0].positions, &expected[0].triangles),
+            "{text:?}"
+        );
+    }
+    let error = load(&format!("{TRIANGLE}v 0 \\\n 0 \\\n 1\nf 1 2 x\n")).unwrap_err().to_string();
+    assert!(error.contains("line 7"), "{error}");
+}
+
+#[test]
+fn what_is_no_number_is_dropped_in_any_spelling() {
+    for word in ["nan", "NaN", "-nan(ind)", "1.#QNAN", "-1.#IND00", "inf", "1.#INF"] {
+        let loaded = load(&format!("{TRIANGLE}v 0 {word} 0 # no\nvn {word} 0 0\nf 1//1 2//1 3//1\nf 1 2 4\n")).unwrap();
+        assert_eq!(loaded.description.meshes[0].triangles.len(), 1, "{word}");
+        assert!(loaded.warnings.iter().any(|w| w.contains("1 vertices")), "{word}: {:?}", loaded.warnings);
+    }
+}
+
+#[test]
+fn concave_polygons_are_filled_and_crossing_ones_are_named() {
+    let arrow = "v 0 0 2\nv -1 0 0\nv 0 0 .5\nv 1 0 0\n";
+    for face in ["f 1 2 3 4", "f 2 3 4 1", "f 4 3 2 1", "f -1 -4 -3 -2"] {
+        let mesh = load(&format!("{arrow}{face}\n")).unwrap().description.meshes.remove(0);
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        let sum: f64 = mesh.triangles.iter().map(area).sum();
+        assert!((sum - 1.5).abs() < 1e-12, "{face}: {sum}");
+    }
+    let crossing = load("o bow\nv 0 0 0\nv 3 2 0\nv 3 0 0\nv 0 1 0\nf 1 2 3 4\n").unwrap();
+    assert_eq!(crossing.warnings, ["mesh `bow`: the outlines of 1 polygons cross themselves; fans stand in"]);
+}
+
+#[test]
+fn names_in_latin_1_are_told_apart() {
+    let obj: &[u8] = b"mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl gr\xfcn\nf 1 2 3\n";
+    let mtl: &[u8] = b"newmtl gr\xfcn\nKd 0 1 0\nnewmtl gr\xe4n\nKd 1 0 0\n";
+    let loaded = load_files(&[("scene.obj", obj), ("scene.mtl", mtl)]).unwrap();
+    assert_eq!(loaded.description.meshes[0].material, 0);
 }
 
 #[test]

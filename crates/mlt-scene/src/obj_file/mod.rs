@@ -1,6 +1,8 @@
 //! Wavefront OBJ with its material libraries.
 
+mod library;
 mod material;
+mod polygon;
 mod text;
 
 use crate::{
@@ -9,23 +11,20 @@ use crate::{
     source::Source,
 };
 use glam::{DVec3, Vec3};
+use library::Library;
 use mlt_core::transport::{description::SceneDescription, mesh::Mesh};
-use std::{collections::HashMap, io::Read, path::Path};
+use std::{io::Read, path::Path};
 use text::{Numbered, Reduced};
-
-/// Materials in the order of their libraries, and where each name is found.
-type Library = (Vec<tobj::Material>, HashMap<String, usize>);
 
 /// A line for the parser to ask for the materials at, before all others: all libraries at once.
 const MTLLIB: &[u8] = b"mtllib all\n";
 
 /// Loads every object of the file; OBJ has no cameras.
 pub(crate) fn load(source: &Source) -> Result<Loaded, SceneError> {
-    let bytes = source.read()?;
-    let reduced = Reduced::new(&String::from_utf8_lossy(&bytes));
+    let reduced = Reduced::new(&text::decode(source.read()?));
     let mut warnings = reduced.warnings();
-    let (materials, places) = libraries(source, &reduced, &mut warnings)?;
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let Library { materials, places } = library::read(source, &reduced, &mut warnings)?;
+    let options = tobj::LoadOptions { single_index: true, ignore_points: true, ignore_lines: true, triangulate: false };
     let parse = |numbered: &mut Numbered| {
         let library = |_: &Path| Ok((materials.clone(), places.clone().into_iter().collect()));
         tobj::load_obj_buf(&mut MTLLIB.chain(numbered), &options, library).map_err(|e| e.to_string())
@@ -34,33 +33,6 @@ pub(crate) fn load(source: &Source) -> Result<Loaded, SceneError> {
     let description = describe(source, models, &materials, &mut warnings)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Loaded { name, description, warnings })
-}
-
-/// All material libraries that the file names; one that cannot be read is a warning.
-fn libraries(source: &Source, reduced: &Reduced, warnings: &mut Vec<String>) -> Result<Library, SceneError> {
-    let (mut materials, mut places, mut complete) = (Vec::new(), HashMap::new(), true);
-    for name in &reduced.libraries {
-        let bytes = match source.read_beside(name) {
-            Ok(bytes) => bytes,
-            Err(error) => {
-                complete = false;
-                warnings.push(format!("{error}; until then grey stands in for its materials"));
-                continue;
-            }
-        };
-        let text = text::library(&String::from_utf8_lossy(&bytes));
-        let path = source.path.with_file_name(name);
-        let parse = |numbered: &mut Numbered| tobj::load_mtl_buf(numbered).map_err(|e| e.to_string());
-        let (found, _) = text::parse(&path, "MTL", &text, parse)?;
-        places.extend(found.iter().enumerate().map(|(i, m)| (m.name.clone(), materials.len() + i)));
-        materials.extend(found);
-    }
-    let unknown: Vec<_> = reduced.used.iter().filter(|name| !places.contains_key(*name)).cloned().collect();
-    if complete && !unknown.is_empty() {
-        let names = unknown.join("`, `");
-        warnings.push(format!("no material library defines `{names}`; grey stands in"));
-    }
-    Ok((materials, places))
 }
 
 fn describe(
@@ -77,9 +49,9 @@ fn describe(
     }
     let mut total = 0;
     for model in models {
-        total += model.mesh.indices.len() / 3;
-        if total > MAX_ELEMENTS {
-            return Err(source.too_large(format!("object `{}`", model.name), "triangles so far", MAX_ELEMENTS));
+        total += model.mesh.indices.len();
+        if total > 3 * MAX_ELEMENTS {
+            return Err(source.too_large(format!("object `{}`", model.name), "corners so far", 3 * MAX_ELEMENTS));
         }
         let material = model.mesh.material_id.unwrap_or(grey) as u32;
         scene.meshes.extend(mesh(model, warnings).map(|m| Mesh { material, ..m }));
@@ -98,12 +70,33 @@ fn mesh(model: tobj::Model, warnings: &mut Vec<String>) -> Option<Mesh> {
     if !smooth && !normals.is_empty() {
         warnings.push(format!("mesh `{name}`: some vertices have normals and some have none; all are left out"));
     }
+    let triangles = triangles(&mesh, positions, &name, warnings);
     let raw = RawMesh {
         name,
-        triangles: mesh.indices.as_chunks::<3>().0.to_vec(),
+        triangles,
         position: |i| DVec3::from_array(positions[i as usize]),
         normal: smooth
             .then_some(|i: u32| -> Vec3 { DVec3::from_array(normals[i as usize]).normalize_or_zero().as_vec3() }),
     };
     raw.finish(warnings)
+}
+
+/// The faces as triangles.
+fn triangles(mesh: &tobj::Mesh, positions: &[[f64; 3]], name: &str, warnings: &mut Vec<String>) -> Vec<[u32; 3]> {
+    if mesh.face_arities.is_empty() {
+        return mesh.indices.as_chunks::<3>().0.to_vec();
+    }
+    let (mut rest, mut triangles, mut crossing) = (&mesh.indices[..], Vec::new(), 0usize);
+    for &corners in &mesh.face_arities {
+        let (face, others) = rest.split_at(corners as usize);
+        rest = others;
+        let points: Vec<_> = face.iter().map(|&i| DVec3::from_array(positions[i as usize])).collect();
+        let polygon::Cut { triangles: cut, crosses } = polygon::cut(&points);
+        triangles.extend(cut.iter().map(|triangle| triangle.map(|i| face[i])));
+        crossing += usize::from(crosses);
+    }
+    if crossing > 0 {
+        warnings.push(format!("mesh `{name}`: the outlines of {crossing} polygons cross themselves; fans stand in"));
+    }
+    triangles
 }

@@ -1,4 +1,4 @@
-//! The text that the OBJ parser gets to see, and the line at which it stops.
+//! The text that the parsers get to see, and the line at which they stop.
 
 use crate::{SceneError, guard};
 use rayon::prelude::*;
@@ -8,6 +8,74 @@ use std::{
     io::{self, BufRead, Read},
     path::Path,
 };
+
+/// The name of what has none.
+const UNNAMED: &str = "unnamed";
+
+/// A file's text: UTF-8, or else Latin-1. Its lines end in a line feed alone; what `\` continues is one line, and empty lines
+/// behind it keep the count.
+pub(super) fn decode(bytes: Vec<u8>) -> String {
+    let latin = |bytes: Vec<u8>| bytes.into_iter().map(char::from).collect();
+    let mut text = String::from_utf8(bytes).unwrap_or_else(|error| latin(error.into_bytes()));
+    if text.starts_with('\u{feff}') {
+        text.remove(0);
+    }
+    if text.contains('\r') {
+        text = text.replace("\r\n", "\n").replace('\r', "\n");
+    }
+    if text.contains('\\') { joined(&text) } else { text }
+}
+
+/// The text with each line that ends in `\` joined to the next; a comment does not go on.
+fn joined(text: &str) -> String {
+    let (mut joined, mut continued) = (String::with_capacity(text.len() + 1), 0);
+    for line in text.lines() {
+        match line.trim_end().strip_suffix('\\') {
+            Some(start) if !start.contains('#') => {
+                joined.push_str(start);
+                joined.push(' ');
+                continued += 1;
+            }
+            _ => {
+                joined.push_str(line);
+                (0..=continued).for_each(|_| joined.push('\n'));
+                continued = 0;
+            }
+        }
+    }
+    joined
+}
+
+/// What a statement says behind its keyword, without quotes.
+pub(super) fn unquoted(rest: &str) -> &str {
+    let rest = rest.trim();
+    let quoted = rest.strip_prefix('"').and_then(|rest| rest.split_once('"'));
+    quoted.map_or(rest, |(name, _)| name.trim())
+}
+
+/// What a statement says behind its keyword, as a name with single blanks; [`UNNAMED`] if it says nothing.
+pub(super) fn name(rest: &str) -> String {
+    match unquoted(rest) {
+        "" => UNNAMED.to_owned(),
+        name => name.split_whitespace().collect::<Vec<_>>().join(" "),
+    }
+}
+
+/// A name without what follows a `#`; that can be a comment or part of the name.
+pub(super) fn without_comment(name: &str) -> &str {
+    let starts = |at: usize| name[..at].trim_end().len() < at || at == 0;
+    match name.match_indices('#').find(|&(at, _)| starts(at)).map(|(at, _)| name[..at].trim_end()) {
+        Some("") => UNNAMED,
+        Some(name) => name,
+        None => name,
+    }
+}
+
+/// A statement of numbers without the comment behind it; `1.#` begins what some programs write for no number.
+pub(super) fn without_remark(line: &str) -> &str {
+    let remark = line.match_indices('#').find(|&(at, _)| !line[..at].ends_with("1."));
+    remark.map_or(line, |(at, _)| &line[..at])
+}
 
 /// An OBJ text without what the renderer has no use for; lines keep their numbers.
 #[derive(Default)]
@@ -32,11 +100,7 @@ impl Reduced {
             reduced.text.push('\n');
             reduced
         };
-        text.strip_prefix('\u{feff}')
-            .unwrap_or(text)
-            .par_lines()
-            .fold(Self::default, add)
-            .reduce(Self::default, Self::then)
+        text.par_lines().fold(Self::default, add).reduce(Self::default, Self::then)
     }
 
     /// This text and another after it.
@@ -55,24 +119,40 @@ impl Reduced {
 
     fn line<'a>(&mut self, line: &'a str) -> Cow<'a, str> {
         let (key, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        let numbers = line.split('#').next().unwrap_or("");
         match key {
-            "v" if numbers.split_whitespace().count() > 6 => {
-                self.has_colours = true;
-                return numbers.split_whitespace().take(4).collect::<Vec<_>>().join(" ").into();
-            }
-            "v" | "vn" | "f" => return numbers.into(),
+            "v" | "vn" => return self.numbers(key == "v", without_remark(line)),
+            "f" => return without_remark(line).into(),
+            "fo" => return format!("f {}", without_remark(rest)).into(),
             "o" | "g" => return line.into(),
             "usemtl" => {
-                self.used.insert(rest.trim().to_owned());
+                let name = name(rest);
+                let line = format!("usemtl {name}");
+                self.used.insert(name);
                 return line.into();
             }
             "mtllib" => self.libraries.push(rest.trim().to_owned()),
             "l" | "p" => self.has_lines = true,
             "curv" | "curv2" | "surf" => self.has_curves = true,
+            _ if key.contains(|c: char| c.is_ascii_uppercase()) => {
+                let lower = format!("{} {rest}", key.to_ascii_lowercase());
+                return self.line(lower.trim_end()).into_owned().into();
+            }
             _ => {}
         }
         "".into()
+    }
+
+    /// A vertex or a normal, without a colour, as numbers that the parser knows.
+    fn numbers<'a>(&mut self, is_position: bool, line: &'a str) -> Cow<'a, str> {
+        let coloured = is_position && line.split_whitespace().count() > 6;
+        self.has_colours |= coloured;
+        // `-nan(ind)`, `1.#QNAN`
+        let odd = line.contains(['(', '#']);
+        if !coloured && !odd {
+            return line.into();
+        }
+        let plain = |word| if odd && str::contains(word, ['(', '#']) { "nan" } else { word };
+        line.split_whitespace().take(4).map(plain).collect::<Vec<_>>().join(" ").into()
     }
 
     /// What was left out and would have been seen.
@@ -85,19 +165,6 @@ impl Reduced {
         let sentence = |f: &(bool, &str)| format!("{} are not supported and left out", f.1);
         features.iter().filter(|f| f.0).map(sentence).collect()
     }
-}
-
-/// An MTL text in which every colour has three components: a single one stands for all (MTL's own rule).
-pub(super) fn library(text: &str) -> String {
-    let line = |line: &str| {
-        let words: Vec<_> = line.split('#').next().unwrap_or("").split_whitespace().collect();
-        match words[..] {
-            [key @ ("Ka" | "Kd" | "Ks" | "Ke" | "Tf"), grey] => format!("{key} {grey} {grey} {grey}\n"),
-            ["Ka" | "Kd" | "Ks" | "Ke" | "Tf", ..] => words.join(" ") + "\n",
-            _ => line.to_owned() + "\n",
-        }
-    };
-    text.strip_prefix('\u{feff}').unwrap_or(text).lines().map(line).collect()
 }
 
 /// Runs a parser; its error, or its panic, names the line that it read last.
