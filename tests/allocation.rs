@@ -72,7 +72,8 @@ fn scene() -> SceneDescription {
         material,
         ..Mesh::default()
     };
-    let material = |bsdf, emission| Material { name: String::new(), bsdf, emission, emits_both_sides: false };
+    let material =
+        |bsdf, emission| Material { name: String::new(), bsdf, emission, emits_both_sides: false, opacity: 1.0 };
     SceneDescription {
         meshes: vec![
             quad(0, [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]]),

@@ -29,7 +29,7 @@ const WHITE: u32 = 1;
 const LAMP: u32 = 2;
 
 fn material(name: &str, bsdf: Bsdf, emission: Vec3) -> Material {
-    Material { name: name.into(), bsdf, emission, emits_both_sides: false }
+    Material { name: name.into(), bsdf, emission, emits_both_sides: false, opacity: 1.0 }
 }
 
 /// The parallelogram centre ± a ± b, its front towards a × b.

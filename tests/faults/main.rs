@@ -3,5 +3,7 @@
 //! `data/` holds the scenes, a folder each; its README says what each is and where its value comes from.
 
 mod controls;
+mod obj;
+mod opacity;
 mod paths;
 mod support;

@@ -50,7 +50,7 @@ impl World {
 
 pub fn add(description: &mut SceneDescription, mesh: Mesh, bsdf: Bsdf, emission: Rgb) {
     description.meshes.push(Mesh { material: description.materials.len() as u32, ..mesh });
-    description.materials.push(Material { name: String::new(), bsdf, emission, emits_both_sides: false });
+    description.materials.push(Material { name: String::new(), bsdf, emission, emits_both_sides: false, opacity: 1.0 });
 }
 
 pub fn pose(position: DVec3, target: DVec3, degrees: f32) -> CameraPose {

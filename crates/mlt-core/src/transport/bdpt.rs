@@ -195,7 +195,7 @@ impl Bidirectional<'_> {
         eye.vertices[last] = camera;
         for i in (last - self.max_edges + 1..=last).rev() {
             let step = if i == last {
-                start_at_eye(&mut eye.vertices, i, image, &self.view)
+                start_at_eye(&mut eye.vertices, i, image, &self.view, rng)
             } else {
                 step_from_eye(&mut eye.vertices, i, &self.view, rng)
             };

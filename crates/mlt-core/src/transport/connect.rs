@@ -101,6 +101,11 @@ impl Bidirectional<'_> {
             _ => scattering(&self.view, x, -light[s - 2].to_eye, edge.direction)?,
         };
         let at_y = scattering(&self.view, y, -edge.direction, y.to_eye)?;
+        let passed = self.view.scene.transmittance(&x.vertex, &y.vertex);
+        if passed == 0.0 {
+            return None;
+        }
+        let edge = edge.veiled(passed);
         let (from_light, from_eye) = (scratch.light.carried(s), scratch.eye.carried(t));
         let per_area =
             |pdf: f32, end: usize| f64::from(pdf) * f64::from(edge.cosines[end]) * f64::from(edge.inverse_square);
@@ -112,6 +117,6 @@ impl Bidirectional<'_> {
             * from_eye.throughput
             * (at_x.value * at_y.value).as_dvec3()
             * (edge.geometric_term() / (1.0 + others));
-        self.view.scene.visible(&x.vertex, &y.vertex).then_some((pixel, value))
+        Some((pixel, value))
     }
 }

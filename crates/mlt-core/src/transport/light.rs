@@ -22,7 +22,7 @@ pub struct Light {
     pub emission: Rgb,
     /// Emits from the back as well.
     pub both_sides: bool,
-    /// Total area, scene units².
+    /// Total area times opacity, scene units².
     pub area: f64,
     pub(super) shape: Shape,
 }

@@ -96,7 +96,8 @@ impl Lights {
         for (index, &p) in (0..).zip(primitives) {
             self.of_primitive[p] = (id, index);
         }
-        self.lights.push(Light { emission: material.emission, both_sides: material.emits_both_sides, ..light });
+        let area = light.area * f64::from(material.opacity);
+        self.lights.push(Light { emission: material.emission, both_sides: material.emits_both_sides, area, ..light });
     }
 }
 

@@ -13,4 +13,6 @@ pub struct Material {
     pub emission: Rgb,
     /// Emits from the back as well as from the front.
     pub emits_both_sides: bool,
+    /// Share of the surface that is there, α ∈ [0, 1]; through the rest light goes straight on. 0: there is no surface.
+    pub opacity: f32,
 }

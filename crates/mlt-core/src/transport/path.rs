@@ -30,11 +30,11 @@ pub struct PathVertex {
     pub vertex: Vertex,
     /// Unit direction to x_{i+1}, the next vertex towards the camera.
     pub to_eye: Vec3A,
-    /// 1/|x_{i+1} − x_i|².
+    /// τ/|x_{i+1} − x_i|², τ what surfaces that are not opaque let pass.
     pub inverse_square: f32,
     /// |cosθ| of the edge to x_{i+1}, at x_i and at x_{i+1}, to the geometric normals.
     pub cosines: [f32; 2],
-    /// G(x_i, x_{i+1}) = |cosθ_i cosθ_{i+1}| / |x_i − x_{i+1}|², geometric normals.
+    /// G(x_i, x_{i+1}) τ = |cosθ_i cosθ_{i+1}| τ / |x_i − x_{i+1}|², geometric normals.
     pub geometric_term: f64,
     /// x_0: emitted radiance; x_k: W_e; between them f_s(x_{i−1} → x_i → x_{i+1}) |ω·N_s|/|ω·N_g|, ω towards x_{i−1}.
     pub scatter: Rgb,
@@ -187,7 +187,23 @@ impl LightPath {
             self.cross(view, view.camera.image_point(-self.vertices[s - 1].to_eye)?);
         }
         self.update(view, scattering)?;
-        view.scene.visible(&self.vertices[s - 1].vertex, &self.vertices[s].vertex).then_some(())
+        let passed = view.scene.transmittance(&self.vertices[s - 1].vertex, &self.vertices[s].vertex);
+        if passed < 1.0 {
+            self.veil(s, passed);
+        }
+        (passed > 0.0).then_some(())
+    }
+
+    /// Multiplies what depends on the edge from x_{s−1} to x_s by what passes along it.
+    #[cold]
+    fn veil(&mut self, s: usize, passed: f32) {
+        let factor = f64::from(passed);
+        let [x, y] = &mut self.vertices[s - 1..=s] else { return };
+        x.inverse_square *= passed;
+        x.geometric_term *= factor;
+        x.reverse *= factor;
+        y.forward *= factor;
+        self.contribution = self.product();
     }
 
     /// f(x)/g(x) = scatter_0 Π_{i<k} scatter_{i+1} G(x_i, x_{i+1}) / g_i.
@@ -218,7 +234,7 @@ pub(super) fn copy_vertices(to: &mut [PathVertex], from: &[PathVertex]) {
 pub(super) struct Edge {
     /// Unit direction from the first to the second.
     pub(super) direction: Vec3A,
-    /// 1 over the squared length.
+    /// τ over the squared length.
     pub(super) inverse_square: f32,
     /// |cosθ| at both ends, to the geometric normals.
     pub(super) cosines: [f32; 2],
@@ -252,7 +268,13 @@ impl Edge {
         Self { direction, inverse_square, cosines: ends.map(|end| abs_dot(end.geometric_normal, direction)) }
     }
 
-    /// G = |cosθ cosθ'| / d².
+    /// The same edge where the share `passed` gets through.
+    #[inline(always)]
+    pub(super) fn veiled(self, passed: f32) -> Self {
+        Self { inverse_square: self.inverse_square * passed, ..self }
+    }
+
+    /// G τ = |cosθ cosθ'| τ / d².
     #[inline(always)]
     pub(super) fn geometric_term(&self) -> f64 {
         f64::from(self.cosines[0] * self.cosines[1]) * f64::from(self.inverse_square)

@@ -62,11 +62,11 @@ impl PathTracer<'_> {
     pub fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let camera = self.view.camera.vertex();
         let step = self.view.camera.step(image);
-        let Some(vertex) = self.view.scene.trace_ray(self.view.camera.origin(), step) else { return };
+        let Some((vertex, passed)) = self.view.scene.follow_ray(self.view.camera.origin(), step, rng) else { return };
         let direction = step.normalize();
         let pdf = self.view.camera.has_tiny_lights().then(|| {
             let cos = camera.geometric_normal.dot(direction);
-            self.view.camera.pdf(cos) / vertex.position.distance_squared(camera.position)
+            self.view.camera.pdf(cos) * passed / vertex.position.distance_squared(camera.position)
         });
         let walk =
             Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: camera, edges: 1, straight: true };
@@ -144,10 +144,11 @@ impl PathTracer<'_> {
             return None;
         }
         let found = scene.evaluate(&walk.vertex, to_light, walk.to_eye)?;
-        if !scene.visible(&walk.vertex, &source) {
+        let passed = scene.transmittance(&walk.vertex, &source);
+        if passed == 0.0 {
             return None;
         }
-        let cos = source.geometric_normal.dot(to_light).abs() * inverse_square;
+        let cos = source.geometric_normal.dot(to_light).abs() * inverse_square * passed;
         let geometric = walk.vertex.geometric_normal.dot(to_light).abs() * cos;
         let weight = geometric / density * power_heuristic(density, found.pdf_to_light * cos);
         Some((emitted * found.value * weight, point))
@@ -169,11 +170,15 @@ impl PathTracer<'_> {
         let direction = step / square.sqrt();
         let pixel = camera.pixel(camera.image_point(direction)?);
         let emitted = scene.emitted(&source, -direction);
-        if square <= 0.0 || emitted == Rgb::ZERO || !scene.visible(&eye, &source) {
+        if square <= 0.0 || emitted == Rgb::ZERO {
+            return None;
+        }
+        let passed = scene.transmittance(&eye, &source);
+        if passed == 0.0 {
             return None;
         }
         let cos = eye.geometric_normal.dot(direction);
-        let there = source.geometric_normal.dot(direction).abs() / square;
+        let there = source.geometric_normal.dot(direction).abs() * passed / square;
         let weight = power_heuristic(density as f32, camera.pdf(cos) * there);
         let value = emitted.as_dvec3() * (f64::from(camera.w_e(cos) * cos * there * weight) / density);
         visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point) });
@@ -194,9 +199,9 @@ impl PathTracer<'_> {
             }
             walk.throughput /= survival;
         }
-        let vertex = scene.trace(&walk.vertex, direction)?;
+        let (vertex, passed) = scene.follow(&walk.vertex, direction, rng)?;
         let square = vertex.position.distance_squared(walk.vertex.position);
-        walk.pdf = (!walk.vertex.delta).then_some(pdf / square);
+        walk.pdf = (!walk.vertex.delta).then_some(pdf * passed / square);
         walk.straight &= walk.vertex.delta;
         walk.before = std::mem::replace(&mut walk.vertex, vertex);
         walk.to_eye = -direction;

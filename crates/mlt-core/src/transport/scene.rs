@@ -1,5 +1,7 @@
 //! The scene as the renderer uses it.
 
+mod veil;
+
 use super::Rgb;
 use super::accel::Accel;
 use super::camera::{Camera, CameraPose};
@@ -68,6 +70,8 @@ pub struct Scene {
     lights: Lights,
     space: Space,
     dropped: usize,
+    /// Whether any surface is not opaque.
+    is_veiled: bool,
 }
 
 thread_local! {
@@ -90,7 +94,10 @@ impl Scene {
     pub fn new(mut description: SceneDescription) -> Result<Self, SceneError> {
         check(&description)?;
         let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
-        let SceneDescription { meshes, materials, .. } = description;
+        let SceneDescription { mut meshes, materials, .. } = description;
+        let opacity = |mesh: &Mesh| materials[mesh.material as usize].opacity;
+        meshes.retain(|mesh| opacity(mesh) > 0.0);
+        let is_veiled = meshes.iter().any(|mesh| opacity(mesh) < 1.0);
         let space =
             Space::around(meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
         let (mut primitives, mut normals) = (Vec::new(), Vec::new());
@@ -106,7 +113,7 @@ impl Scene {
             return Err(SceneError::NoLight);
         }
         let accel = Accel::new(&triangles);
-        Ok(Self { accel, primitives, normals, materials, lights, space, dropped })
+        Ok(Self { accel, primitives, normals, materials, lights, space, dropped, is_veiled })
     }
 
     /// A camera in this scene, for images of `size` pixels.
@@ -161,16 +168,22 @@ impl Scene {
     }
 
     /// Whether nothing stands between two vertices.
-    ///
-    /// The ray starts where coordinates are finer: its end is rounded in proportion to its length, which would put it behind
-    /// a small surface that is seen from a large one.
     #[inline(always)]
     pub fn visible(&self, a: &Vertex, b: &Vertex) -> bool {
         RAYS.set(RAYS.get() + 1);
+        let [from, to] = Self::segment(a, b);
+        !self.accel.occluded(&Ray { origin: from.into(), direction: (to - from).into(), t_max: 1.0 })
+    }
+
+    /// The ends of a ray between two vertices, off their surfaces.
+    ///
+    /// It starts where coordinates are finer: its end is rounded in proportion to its length, which would put it behind
+    /// a small surface that is seen from a large one.
+    #[inline(always)]
+    fn segment(a: &Vertex, b: &Vertex) -> [Vec3A; 2] {
         let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
         let towards_b = b.position - a.position;
-        let (from, to) = (a.origin(towards_b), b.origin(-towards_b));
-        !self.accel.occluded(&Ray { origin: from.into(), direction: (to - from).into(), t_max: 1.0 })
+        [a.origin(towards_b), b.origin(-towards_b)]
     }
 
     /// The light and the vertex at a point of the lights.

@@ -219,6 +219,7 @@ mod tests {
             bsdf: Bsdf::Black,
             emission: Rgb::splat(e),
             emits_both_sides: false,
+            opacity: 1.0,
         };
         let materials: Vec<_> = emissions.iter().map(material).collect();
         let corner = |m: &Mesh, t: &[u32; 3]| t.map(|i| m.positions[i as usize].as_vec3());

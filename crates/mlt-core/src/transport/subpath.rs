@@ -29,24 +29,36 @@ pub(super) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View
         0 => view.scene.sample_emission(x, rng),
         _ => view.scene.sample(x, -vertices[i - 1].to_eye, rng)?,
     };
-    follow_from_light(vertices, i, direction, view)
+    follow_from_light(vertices, i, direction, view, rng)
 }
 
 /// Follows a direction from x_i to x_{i+1}, and sets the edge between them.
 #[inline(always)]
-pub(super) fn follow_from_light(vertices: &mut [PathVertex], i: usize, direction: Vec3A, view: &View) -> Option<()> {
-    let seen = view.scene.trace(&vertices[i].vertex, direction)?;
+pub(super) fn follow_from_light(
+    vertices: &mut [PathVertex],
+    i: usize,
+    direction: Vec3A,
+    view: &View,
+    rng: &mut impl Rng,
+) -> Option<()> {
+    let (seen, passed) = view.scene.follow(&vertices[i].vertex, direction, rng)?;
     vertices[i + 1] = PathVertex::new(seen);
     let x = &mut vertices[i];
-    set_edge(x, Edge::along(direction, &x.vertex, &seen));
+    set_edge(x, Edge::along(direction, &x.vertex, &seen).veiled(passed));
     Some(())
 }
 
 /// Follows the ray through a point of the image from the camera x_i to x_{i−1}, and sets the edge between them.
 #[inline(always)]
-pub(super) fn start_at_eye(vertices: &mut [PathVertex], i: usize, image: Vec2, view: &View) -> Option<()> {
+pub(super) fn start_at_eye(
+    vertices: &mut [PathVertex],
+    i: usize,
+    image: Vec2,
+    view: &View,
+    rng: &mut impl Rng,
+) -> Option<()> {
     let direction = view.camera.direction(image);
-    let seen = view.scene.trace_ray(view.camera.origin(), direction)?;
+    let seen = view.scene.follow_ray(view.camera.origin(), direction, rng)?;
     add_towards_light(vertices, i, direction, seen);
     Some(())
 }
@@ -56,21 +68,27 @@ pub(super) fn start_at_eye(vertices: &mut [PathVertex], i: usize, image: Vec2, v
 pub(super) fn step_from_eye(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
     let x = &vertices[i];
     let direction = view.scene.sample(&x.vertex, x.to_eye, rng)?;
-    follow_from_eye(vertices, i, direction, view)
+    follow_from_eye(vertices, i, direction, view, rng)
 }
 
 /// Follows a direction from x_i to x_{i−1}, and sets the edge between them.
 #[inline(always)]
-pub(super) fn follow_from_eye(vertices: &mut [PathVertex], i: usize, direction: Vec3A, view: &View) -> Option<()> {
-    let seen = view.scene.trace(&vertices[i].vertex, direction)?;
+pub(super) fn follow_from_eye(
+    vertices: &mut [PathVertex],
+    i: usize,
+    direction: Vec3A,
+    view: &View,
+    rng: &mut impl Rng,
+) -> Option<()> {
+    let seen = view.scene.follow(&vertices[i].vertex, direction, rng)?;
     add_towards_light(vertices, i, direction, seen);
     Some(())
 }
 
-/// Sets x_{i−1}, seen from x_i in a direction, and the edge between them.
+/// Sets x_{i−1}, seen from x_i in a direction through what lets a share pass, and the edge between them.
 #[inline(always)]
-fn add_towards_light(vertices: &mut [PathVertex], i: usize, direction: Vec3A, seen: Vertex) {
+fn add_towards_light(vertices: &mut [PathVertex], i: usize, direction: Vec3A, (seen, passed): (Vertex, f32)) {
     let mut x = PathVertex::new(seen);
-    set_edge(&mut x, Edge::along(-direction, &seen, &vertices[i].vertex));
+    set_edge(&mut x, Edge::along(-direction, &seen, &vertices[i].vertex).veiled(passed));
     vertices[i - 1] = x;
 }

@@ -30,12 +30,15 @@ pub(crate) struct Builder(SceneDescription);
 impl Builder {
     /// A surface that only scatters.
     pub fn surface(self, mesh: Mesh, bsdf: Bsdf) -> Self {
-        self.mesh(mesh, Material { name: String::new(), bsdf, emission: Rgb::ZERO, emits_both_sides: false })
+        self.mesh(
+            mesh,
+            Material { name: String::new(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 },
+        )
     }
 
     /// A surface that only emits.
     pub fn light(self, mesh: Mesh, emission: Rgb, emits_both_sides: bool) -> Self {
-        self.mesh(mesh, Material { name: String::new(), bsdf: Bsdf::Black, emission, emits_both_sides })
+        self.mesh(mesh, Material { name: String::new(), bsdf: Bsdf::Black, emission, emits_both_sides, opacity: 1.0 })
     }
 
     pub fn mesh(mut self, mesh: Mesh, material: Material) -> Self {
@@ -145,6 +148,28 @@ pub(crate) fn pond() -> World {
         .seen(v(0., 1., 4.), v(0., 0., 3.), 80.0, [16, 16])
 }
 
+/// A material that is there for the share `opacity`.
+pub(crate) fn veil(bsdf: Bsdf, opacity: f32) -> Material {
+    Material { name: String::new(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity }
+}
+
+/// A curtain across the box, parallel to its back.
+pub(crate) fn curtain(z: f64) -> Mesh {
+    let v = DVec3::new;
+    quad([v(-1., -1., z), v(1., -1., z), v(1., 1., z), v(-1., 1., z)])
+}
+
+/// The box with a thin curtain, a faint ball of gloss and one of mirror, and a faint lamp. All τ are powers of two.
+pub(crate) fn veils() -> World {
+    let v = DVec3::new;
+    let lamp = Material { emission: Rgb::new(2.0, 3.0, 6.0), emits_both_sides: true, ..veil(Bsdf::Black, 0.5) };
+    see(walls()
+        .mesh(curtain(0.5), veil(lambert(Rgb::splat(0.5)), 0.5))
+        .mesh(ball(v(-0.4, -0.5, 0.2), 0.4, true), veil(glossy(), 0.75))
+        .mesh(ball(v(0.45, -0.5, 0.0), 0.4, true), veil(mirror(), 0.5))
+        .mesh(ball(v(-0.5, 0.5, -0.5), 0.2, false), lamp))
+}
+
 /// The view into the box.
 fn see(builder: Builder) -> World {
     builder.seen(DVec3::new(0.2, 0.1, 3.4), DVec3::ZERO, 38.0, [16, 16])
@@ -188,5 +213,6 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("glass with shading normals", room(glass(0.0), true)),
         ("frosted glass", room(glass(0.4), false)),
         ("two lights", two_lights(glass(0.0), mirror())),
+        ("veils", veils()),
     ]
 }

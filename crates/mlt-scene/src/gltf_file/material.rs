@@ -18,7 +18,13 @@ pub(super) fn materials(document: &Document, used: &BTreeSet<usize>, warnings: &
     }
     if used.contains(&materials.len()) {
         let bsdf = MetallicRoughness::default().bsdf();
-        materials.push(Material { name: "default".to_owned(), bsdf, emission: Rgb::ZERO, emits_both_sides: false });
+        materials.push(Material {
+            name: "default".to_owned(),
+            bsdf,
+            emission: Rgb::ZERO,
+            emits_both_sides: false,
+            opacity: 1.0,
+        });
     }
     materials
 }
@@ -29,7 +35,7 @@ fn material(index: usize, source: &gltf::Material, warnings: &mut Vec<String>) -
     let strength = source.emissive_strength().unwrap_or(1.0);
     let emission = range.colour("the emission", strength * Rgb::from_array(source.emissive_factor()), 1e12);
     let bsdf = parameters(source, &mut range).bsdf();
-    Material { name, bsdf, emission, emits_both_sides: source.double_sided() }
+    Material { name, bsdf, emission, emits_both_sides: source.double_sided(), opacity: 1.0 }
 }
 
 /// A surface with KHR_materials_volume bounds a solid, whatever thickness its author gave for rasterisers;

@@ -12,7 +12,7 @@ const F0: f32 = 0.04;
 /// What stands in for a material that is not defined.
 pub(super) fn grey() -> Material {
     let bsdf = diffuse(GREY).bsdf();
-    Material { name: "grey".to_owned(), bsdf, emission: Rgb::ZERO, emits_both_sides: false }
+    Material { name: "grey".to_owned(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 }
 }
 
 /// A material, which emits `Ke` as radiance from its front.
@@ -21,18 +21,39 @@ pub(super) fn material(source: &tobj::Material, warnings: &mut Vec<String>) -> M
     let mut range = Range { material: &name, warnings };
     let emission = rgb(source.emissive).map_or(Rgb::ZERO, |c| range.colour("Ke", c, 1e12));
     let bsdf = parameters(source, &mut range).bsdf();
+    let opacity = if is_glass(source) { 1.0 } else { opacity(source, &mut range) };
     let textures = textures(source);
     if !textures.is_empty() {
         warnings.push(format!("material `{name}`: not supported and left out: {}", textures.join(", ")));
     }
-    Material { name, bsdf, emission, emits_both_sides: false }
+    match opacity {
+        0.0 => warnings.push(format!("material `{name}`: its opacity is 0, so it is invisible; `illum 7` makes glass")),
+        o if o < 1.0 => {
+            warnings.push(format!("material `{name}`: blended by its opacity of {o}; `illum 7` makes glass"))
+        }
+        _ => {}
+    }
+    Material { name, bsdf, emission, emits_both_sides: false, opacity }
+}
+
+/// Whether the illumination model is one of those with "glass on" or refraction.
+fn is_glass(source: &tobj::Material) -> bool {
+    matches!(source.illumination_model, Some(4 | 6 | 7 | 9))
+}
+
+/// `d`, or else 1 − `Tr`.
+fn opacity(source: &tobj::Material, range: &mut Range) -> f32 {
+    match (source.dissolve, number(source, "Tr")) {
+        (Some(d), _) => range.number("d", d as f32, [0.0, 1.0]),
+        (None, Some(tr)) => 1.0 - range.number("Tr", tr, [0.0, 1.0]),
+        _ => 1.0,
+    }
 }
 
 /// The model that a material's parameters ask for, in this order: glass, the `Pr`/`Pm` extension, mirror, gloss, diffuse.
 fn parameters(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
-    let opacity = source.dissolve.map(|d| d as f32).or(number(source, "Tr").map(|t| 1.0 - t)).unwrap_or(1.0);
     let shown = source.illumination_model.unwrap_or(2);
-    if matches!(shown, 4 | 6 | 7 | 9) || opacity < 1.0 {
+    if is_glass(source) {
         return glass(source, range);
     }
     let absent = if source.emissive.is_some() { Rgb::ZERO } else { GREY };
@@ -162,12 +183,32 @@ mod tests {
             let mirror = parsed(&format!("Kd 1 0 0\nKs 0.9 0.8 0.7\nillum {illum}"));
             assert_eq!((mirror.metallic, mirror.roughness, mirror.base_color), (1.0, 0.0, Rgb::new(0.9, 0.8, 0.7)));
         }
-        for mtl in ["illum 4", "illum 6", "illum 7", "illum 9", "d 0.1", "Tr 0.9"] {
+        for mtl in ["illum 4", "illum 6", "illum 7", "illum 9", "d 0.1\nillum 7"] {
             let glass = parsed(&format!("Ni 1.7\nTf 0.5 1 1\n{mtl}"));
             assert_eq!((glass.transmission, glass.roughness, glass.ior, glass.thin), (1.0, 0.0, 1.7, false), "{mtl}");
             assert_eq!(glass.base_color, Rgb::new(0.5, 1.0, 1.0));
         }
-        assert_eq!(parsed("Kd 1 1 1\nd 1\nTr 1").transmission, 0.0, "d counts where both are given");
+    }
+
+    #[test]
+    fn opacity_is_d_or_what_tr_leaves() {
+        for (mtl, opacity, count) in [
+            ("Kd 1 0 0", 1.0, 0),
+            ("d 0.25", 0.25, 1),
+            ("Tr 0.25", 0.75, 1),
+            ("d 1\nTr 1", 1.0, 0),
+            ("Tr 0\nd 0", 0.0, 1),
+            ("d 0.25\nillum 7", 1.0, 0),
+            ("d 1.5", 1.0, 1),
+            ("Tr -1", 1.0, 1),
+            ("d nan", 0.0, 2),
+        ] {
+            let text = format!("newmtl m\n{mtl}");
+            let (materials, _) = tobj::load_mtl_buf(&mut text.as_bytes()).unwrap();
+            let mut warnings = Vec::new();
+            assert_eq!(material(&materials[0], &mut warnings).opacity, opacity, "{mtl}");
+            assert_eq!(warnings.len(), count, "{mtl}: {warnings:?}");
+        }
     }
 
     #[test]

@@ -89,7 +89,7 @@ impl BidirectionalMutation<'_> {
             if path.vertices[i + 1].vertex.is_camera() {
                 let image = within.image_point(rng);
                 path.cross(&self.view, image);
-                start_at_eye(&mut path.vertices, i + 1, image, &self.view)?;
+                start_at_eye(&mut path.vertices, i + 1, image, &self.view, rng)?;
             } else {
                 step_from_eye(&mut path.vertices, i + 1, &self.view, rng)?;
             }

@@ -129,10 +129,10 @@ impl<'a> FromEye<'a> {
         let last = current.edges();
         proposal.keep_light_end(current, m);
         proposal.cross(view, image);
-        start_at_eye(&mut proposal.vertices, last, image, view)?;
+        start_at_eye(&mut proposal.vertices, last, image, view, rng)?;
         for i in (m + 1..last).rev() {
             let direction = next_direction(view, [current, proposal], i, Towards::Light, rng)?;
-            follow_from_eye(&mut proposal.vertices, i, direction, view)?;
+            follow_from_eye(&mut proposal.vertices, i, direction, view, rng)?;
         }
         if proposal.vertices[m].vertex.delta {
             return None;
@@ -166,7 +166,7 @@ pub(super) fn perturb_from_light(
         } else {
             next_direction(view, [current, proposal], i, Towards::Eye, rng)?
         };
-        follow_from_light(&mut proposal.vertices, i, direction, view)?;
+        follow_from_light(&mut proposal.vertices, i, direction, view, rng)?;
     }
     proposal.connect(view, last, l..=last)?;
     Some(ratio([current, proposal], l + 1..last, |path, i| density_from_light(view, path, i, l)))

@@ -53,7 +53,8 @@ fn ball(centre: DVec3, radius: f64, material: u32) -> Mesh {
 
 /// A glass ball and a mirror over a floor, before a wall, under a lamp.
 fn scene() -> Scene {
-    let material = |bsdf, emission| Material { name: String::new(), bsdf, emission, emits_both_sides: false };
+    let material =
+        |bsdf, emission| Material { name: String::new(), bsdf, emission, emits_both_sides: false, opacity: 1.0 };
     let materials = vec![
         material(Bsdf::Lambert(Lambert { reflectance: Rgb::splat(0.7) }), Rgb::ZERO),
         material(Bsdf::Black, Rgb::splat(10.0)),
@@ -224,7 +225,7 @@ fn proposals_are_complete() {
                 }
                 let mut anew = proposal.clone();
                 let last = anew.edges();
-                set_edges_anew(&mut anew);
+                set_edges_anew(&mut anew, &scene);
                 anew.update(&view, 0..=last).expect("it contributes");
                 let close = |a: f64, b: f64| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
                 let same = (1..last).all(|i| {

@@ -121,7 +121,7 @@ impl<I> Multiplexed<'_, I> {
             if i == last {
                 let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
                 path.cross(&view, image);
-                start_at_eye(&mut path.vertices, i, image, &view)?;
+                start_at_eye(&mut path.vertices, i, image, &view, eye)?;
             } else {
                 step_from_eye(&mut path.vertices, i, &view, eye)?;
             }

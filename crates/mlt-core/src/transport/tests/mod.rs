@@ -4,4 +4,5 @@ pub(crate) mod balance;
 mod camera;
 pub(crate) mod paths;
 mod strata;
+mod veils;
 mod visibility;

@@ -5,6 +5,7 @@ use super::super::bdpt::Bidirectional;
 use super::super::mis::{self, Ends};
 use super::super::path::{Edge, LightPath, PathVertex, set_edge};
 use super::super::region::LightRegion;
+use super::super::scene::Scene;
 use super::super::testing::{World, glass, quad, walls, worlds};
 use super::super::vertex::Vertex;
 use crate::engine::{Purpose, generator, uniform, uniform_f32};
@@ -140,10 +141,11 @@ fn samples_for_the_image_are_those_of_paths() {
     }
 }
 
-/// Computes the edges from their ends and directions.
-pub(crate) fn set_edges_anew(path: &mut LightPath) {
+/// Computes the edges from their ends and directions, and from what passes.
+pub(crate) fn set_edges_anew(path: &mut LightPath, scene: &Scene) {
     for i in 0..path.edges() {
-        let edge = Edge::along(path.vertices[i].to_eye, &path.vertices[i].vertex, &path.vertices[i + 1].vertex);
+        let [x, y] = [0, 1].map(|end| path.vertices[i + end].vertex);
+        let edge = Edge::along(path.vertices[i].to_eye, &x, &y).veiled(scene.transmittance(&x, &y));
         set_edge(&mut path.vertices[i], edge);
     }
 }
@@ -153,7 +155,7 @@ pub(crate) fn check_recomputed(name: &str, path: &LightPath, world: &World) {
     let mut again = path.clone();
     again.vertices.iter_mut().for_each(|v| *v = PathVertex { to_eye: v.to_eye, ..PathVertex::new(v.vertex) });
     let last = path.edges();
-    set_edges_anew(&mut again);
+    set_edges_anew(&mut again, &world.scene);
     again.update(&world.view(), 0..=last).unwrap();
     assert_eq!(path.contribution, again.contribution, "{name}");
     // The image's point is the one that was drawn; its ray leads back there but for rounding.

@@ -1,0 +1,78 @@
+//! Surfaces that are not opaque.
+//!
+//! A surface of opacity α is there for the share α of what comes, and for the rest it is not: light goes straight on. Between
+//! two points passes τ(x, y) = Π (1 − α), over the surfaces that the segment crosses.
+//!
+//! Area is measured as dA′ = α dA on every surface. Then f has the factor τ on each edge and none at the vertices; a ray that
+//! stops at each surface with probability α comes to y with density p_ω |cosθ| τ / d² per A′, so τ cancels in f/p; and a light
+//! of area A has the area α A. docs/theory.md, "Opacity".
+
+use super::{RAYS, Ray, Scene, Vertex};
+use crate::engine::uniform_f32;
+use glam::Vec3A;
+use rand_pcg::rand_core::Rng;
+
+impl Scene {
+    /// α at a vertex.
+    #[inline]
+    fn opacity(&self, vertex: &Vertex) -> f32 {
+        self.material(vertex).opacity
+    }
+
+    /// The surface at which light along a direction, of any length, stops, and τ of those that it passes. A random number is
+    /// drawn for each surface that is not opaque.
+    #[inline(always)]
+    pub fn follow(&self, from: &Vertex, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
+        self.follow_ray(from.origin(direction), direction, rng)
+    }
+
+    /// The same from a point that is on no surface.
+    #[inline(always)]
+    pub(in super::super) fn follow_ray(
+        &self,
+        origin: Vec3A,
+        direction: Vec3A,
+        rng: &mut impl Rng,
+    ) -> Option<(Vertex, f32)> {
+        let first = self.trace_ray(origin, direction)?;
+        if self.is_veiled { self.pass(first, direction, rng) } else { Some((first, 1.0)) }
+    }
+
+    #[inline(never)]
+    fn pass(&self, mut vertex: Vertex, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
+        let mut passed = 1.0;
+        loop {
+            let opacity = self.opacity(&vertex);
+            if opacity >= 1.0 || uniform_f32(rng) < opacity {
+                return Some((vertex, passed));
+            }
+            passed *= 1.0 - opacity;
+            vertex = self.trace(&vertex, direction)?;
+        }
+    }
+
+    /// τ between two vertices; 0 if an opaque surface stands there.
+    #[inline(always)]
+    pub fn transmittance(&self, a: &Vertex, b: &Vertex) -> f32 {
+        if self.is_veiled { self.veils_between(a, b) } else { f32::from(u8::from(self.visible(a, b))) }
+    }
+
+    #[inline(never)]
+    fn veils_between(&self, a: &Vertex, b: &Vertex) -> f32 {
+        let [mut from, to] = Self::segment(a, b);
+        let mut passed = 1.0;
+        loop {
+            RAYS.set(RAYS.get() + 1);
+            let step = to - from;
+            let Some(hit) = self.accel.closest(&Ray { origin: from.into(), direction: step.into(), t_max: 1.0 }) else {
+                return passed;
+            };
+            let veil = self.vertex(&hit);
+            passed *= 1.0 - self.opacity(&veil);
+            if passed <= 0.0 {
+                return 0.0;
+            }
+            from = veil.origin(step);
+        }
+    }
+}
