@@ -12,7 +12,7 @@ use mlt_core::transport::{
     low_discrepancy::OwenSobol,
     path::View,
     region::LightRegion,
-    render::Method,
+    render::{Method, film_unit},
     strata::Stratification::{Grid, None as Whole},
 };
 use proof_support::*;
@@ -103,7 +103,7 @@ fn errors_are_seen(name: &str, world: &World, truth: &Known, estimates: &[Replic
     let view = View { scene: &world.scene, camera: &camera };
     let sampler = BrightDirectLight(Bidirectional { view, region: &region, max_edges: MOST_EDGES });
     let estimator = Independent { sampler: &sampler, selection: AllPaths, samples_per_pixel: 256.0, seed: 5 };
-    let unit = world.scene.typical_radiance();
+    let unit = film_unit(view);
     check(&replicas_of(&estimator, camera.pixels(), unit, ROUNDS), "direct light two per cent too bright");
     let lights = &world.scene.lights().lights;
     let brightest = (0..lights.len()).max_by(|&a, &b| lights[a].power().total_cmp(&lights[b].power())).unwrap();

@@ -12,7 +12,7 @@ use mlt_core::transport::{
     kind::{Kind, Kinds},
     mesh::Mesh,
     path::{Luminance, View},
-    render::{Counts, Method, Renderer, Settings},
+    render::{Counts, Method, Renderer, Settings, luminance_and_error, mean_luminance},
     strata::{
         LightStrata,
         Stratification::{self, Count, None as Whole},
@@ -20,6 +20,7 @@ use mlt_core::transport::{
 };
 use proof_support::*;
 use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::{ControlFlow, Range};
 
 const SIZE: [u32; 2] = [8, 8];
@@ -80,6 +81,43 @@ fn every_way_to_share_path_space_out_gives_the_same_image() {
         assert_same(shared.p_value(&truth), &format!("{sampler:?}, chains for {chained:?}"));
         assert_different(shared.plus(0.02, &shared).p_value(&truth), "two per cent too bright");
     }
+}
+
+/// Means of the image over 32 seeds, each with the standard error of the mean and the root of the sum of the pixels' squared errors.
+fn means_of_mixtures(world: &World) -> Vec<(f64, f64, f64)> {
+    let camera = world.camera(SIZE);
+    let view = View { scene: &world.scene, camera: &camera };
+    let of_seed = |seed| {
+        let strata = LightStrata::new(world.scene.lights(), Whole);
+        // Few samples for b, so that the error that pixels have in common is not small.
+        let shares = vec![Share { mutations: 1000, samples: 64 }];
+        let plan = Plan::new(strata, (Sampler::Path { branches: 1 }, 4.0), vec![Kinds::SEEN.others()], shares);
+        let settings = Settings { seed, ..settings(Method::Auto, Whole, 1.0) };
+        let renderer = Renderer::with_plan(view, settings, Luminance, plan);
+        let mut film = renderer.film();
+        renderer.render(0..16, &mut film, &mut Counts::default(), &mut |_, _: &Film<3>| ControlFlow::Continue(()));
+        let own: f64 = (0..film.sites() as usize).map(|i| luminance_and_error(&film, i).1.powi(2)).sum();
+        let Pixel { mean, stderr } = mean_luminance(&film);
+        (mean, stderr, own.sqrt() / f64::from(film.sites()))
+    };
+    (0..32).into_par_iter().map(of_seed).collect()
+}
+
+/// Σ (b − b̄)² over the mean squared error that was told is χ² with one degree of freedom less than there are seeds.
+#[test]
+fn the_mean_of_a_mixture_scatters_as_far_as_it_says() {
+    let found = means_of_mixtures(&mirrored());
+    let n = found.len() as f64;
+    let mean = found.iter().map(|f| f.0).sum::<f64>() / n;
+    let scatter: f64 = found.iter().map(|f| (f.0 - mean).powi(2)).sum();
+    let p = |told: &dyn Fn(&(f64, f64, f64)) -> f64| {
+        let squares = found.iter().map(|f| told(f).powi(2)).sum::<f64>() / n;
+        let below = ChiSquared::new(n - 1.0).expect("a law").cdf(scatter / squares);
+        2.0 * below.min(1.0 - below)
+    };
+    assert!(p(&|f| f.1) > 1e-3, "p = {:e}", p(&|f| f.1));
+    // The negative control: as if pixels had no error in common.
+    assert!(p(&|f| f.2) < 1e-6, "p = {:e}", p(&|f| f.2));
 }
 
 fn auto(cut: Stratification, per_pixel: f64) -> Settings {

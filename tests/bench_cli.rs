@@ -12,8 +12,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// A study of a second: two methods, two budgets, two seeds.
-const SMALL: &str =
-    "bench cornell --methods mlt:2x2:rounds=2,pt --seeds 2 --mutations 32,64 --reference-samples 8 --size 16x16";
+const SMALL: &str = "bench cornell --methods mlt:2x2:weights=power:rounds=2,pt --seeds 2 --mutations 32,64 --reference-samples 8 --size 16x16";
 
 fn command(folder: &TempDir, line: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_mlt"));
@@ -176,7 +175,7 @@ fn bad_input_is_one_sentence_and_renders_nothing() {
         (SMALL.to_owned(), 2, "--output"),
         (format!("{SMALL} -o out").replace("pt", "photon"), 2, "invalid value 'photon'"),
         (format!("{SMALL} -o out").replace("2x2", "4x"), 2, "as in 4x4"),
-        (format!("{SMALL} -o out").replace("mlt:2x2:rounds=2", "pt"), 2, "given twice"),
+        (format!("{SMALL} -o out").replace("mlt:2x2:weights=power:rounds=2", "pt"), 2, "given twice"),
         (format!("{SMALL} -o out").replace("cornell", "nowhere"), 2, "nowhere"),
         (format!("{SMALL} --paper -o out"), 2, "cannot be used with"),
         (format!("{SMALL} -o file"), 1, "file: cannot be created"),

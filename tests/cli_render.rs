@@ -96,8 +96,9 @@ fn alone_it_renders_the_cornell_box_into_two_files_here() {
 fn json_tells_everything_of_every_method() {
     let folder = folder();
     for method in ["mlt", "bdpt", "pt", "pssmlt", "mmlt"] {
-        let line =
-            format!("--method {method} --strata 2x1 --samples-per-pixel 16 --size 32x32 --threads 2 --seed 3 -o a.exr");
+        let line = format!(
+            "--method {method} --strata 2x1 --weights power --samples-per-pixel 16 --size 32x32 --threads 2 --seed 3 -o a.exr"
+        );
         let report = report(&folder, &line);
         let mutates = !["bdpt", "pt"].contains(&method);
         for (name, value) in [("scene", "cornell"), ("method", method), ("strata_option", "2x1")] {

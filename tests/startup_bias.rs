@@ -7,7 +7,7 @@ use mlt_core::transport::{
     bdpt::MOST_EDGES,
     mutate::PathMutation,
     path::{LightPath, Luminance, View},
-    render::Method,
+    render::{Method, film_unit},
     strata::{
         LightStrata,
         Stratification::{Grid, None as Whole},
@@ -41,7 +41,7 @@ fn biased(world: &World, rounds: std::ops::Range<u64>) -> Replicas {
     let strata = LightStrata::new(world.scene.lights(), CUT);
     let strata = LightStratum::all(&strata, view, MOST_EDGES);
     let estimator = Unpaired { strata: &strata, mixture: &Mixture::new(PathMutation::all(view)) };
-    replicas_of(&estimator, camera.pixels(), world.scene.typical_radiance(), rounds)
+    replicas_of(&estimator, camera.pixels(), film_unit(view), rounds)
 }
 
 struct Unpaired<'a> {

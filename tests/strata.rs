@@ -17,6 +17,7 @@ use mlt_core::transport::{
 };
 
 const ADAPTIVE: Adaptation = Adaptation { weights: Weights::Adaptive, pilot_rounds: 4 };
+const BY_POWER: Adaptation = Adaptation { weights: Weights::Power, pilot_rounds: 4 };
 
 struct Stage {
     scene: Scene,
@@ -151,7 +152,7 @@ fn adaptive_weights_pay_where_the_brightest_light_is_hidden() {
         let run = |seed| rel_mse(&stage.render(&Settings { seed, ..settings(adaptation) }, 4).0, &reference);
         (0..8).map(run).sum::<f64>() / 8.0
     };
-    let (power, adaptive) = (error(Adaptation::default()), error(ADAPTIVE));
+    let (power, adaptive) = (error(BY_POWER), error(ADAPTIVE));
     assert!(adaptive < 0.5 * power, "{adaptive} against {power}");
 }
 

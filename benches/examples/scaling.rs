@@ -14,6 +14,7 @@ use mlt_core::transport::mutate::PathMutation;
 use mlt_core::transport::next_event::NextEvent;
 use mlt_core::transport::path::Luminance;
 use mlt_core::transport::pt::PathTracer;
+use mlt_core::transport::render::film_unit;
 use mlt_core::transport::scene::rays_traced;
 use mlt_core::transport::strata::{LightStrata, Stratification};
 use mlt_core::transport::stratum::LightStratum;
@@ -146,7 +147,7 @@ fn chains(name: &str, stratification: Stratification, per_pixel: f64) {
         seed: 1,
         work: rays_traced,
     };
-    let mut film = Film::new(view.camera.pixels(), loaded.scene.typical_radiance());
+    let mut film = Film::new(view.camera.pixels(), film_unit(view));
     let blocks = shares.iter().map(|share| share.samples.div_ceil(256) as usize).sum();
     let rounds = measure(&estimator, &mut film, blocks);
     print(&format!("mlt, {name}, strata: {}", strata.len()), &rounds, Estimator::<3>::task_deposits(&estimator));
@@ -158,7 +159,7 @@ fn paths(name: &str, samples_per_pixel: f64) {
     let next_event = &NextEvent::new(loaded.scene.lights());
     let tracer = PathTracer { view, next_event, max_edges: MOST_EDGES, max_image_edges: MOST_EDGES, branches: 1 };
     let estimator = Independent { sampler: &tracer, selection: AllPaths, samples_per_pixel, seed: 1 };
-    let mut film = Film::new(view.camera.pixels(), loaded.scene.typical_radiance());
+    let mut film = Film::new(view.camera.pixels(), film_unit(view));
     let rounds = measure(&estimator, &mut film, 1);
     print(&format!("pt, {name}"), &rounds, Estimator::<3>::task_deposits(&estimator));
 }

@@ -5,5 +5,6 @@
 mod controls;
 mod obj;
 mod opacity;
+mod errors;
 mod paths;
 mod support;

@@ -13,7 +13,7 @@ use mlt_core::transport::{
     mesh::Mesh,
     mutate::PathMutation,
     path::{Luminance, View},
-    render::{Counts, Method, Renderer, Settings},
+    render::{Counts, Method, Renderer, Settings, film_unit},
     scene::{Scene, rays_traced},
     strata::{LightStrata, Stratification},
     stratum::LightStratum,
@@ -87,8 +87,9 @@ pub fn settings(method: Method, stratification: Stratification, per_pixel: f64) 
 pub fn replicas(world: &World, size: [u32; 2], settings: &Settings, rounds: Range<u64>) -> Replicas {
     let camera = world.camera(size);
     let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());
+    let black = renderer.film();
     let one = |round| {
-        let mut film = renderer.film();
+        let mut film = black.clone();
         let go_on = &mut |_, _: &Film<3>| ControlFlow::Continue(());
         renderer.render(round..round + 1, &mut film, &mut Counts::default(), go_on);
         image(&film)
@@ -139,7 +140,7 @@ pub fn metropolis_in(
         seed: 2,
         work: rays_traced,
     };
-    replicas_of(&estimator, camera.pixels(), world.scene.typical_radiance(), rounds)
+    replicas_of(&estimator, camera.pixels(), film_unit(view), rounds)
 }
 
 fn image(film: &Film<3>) -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! Ctrl-C.
+//! Signals: Ctrl-C, and a limit on the size of files.
 
 use std::sync::{
     Arc,
@@ -6,6 +6,14 @@ use std::sync::{
 };
 
 use anyhow::Context;
+
+/// Makes a file that grows beyond the limit that the system sets (`ulimit -f`) an error like a full disk: by default its signal ends the
+/// program, with what it had begun to write left behind.
+pub fn outlive_file_limits() {
+    #[cfg(unix)]
+    // Without the signal's handler the program still works within the limit.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
+}
 
 /// Tells whether the user (Ctrl-C) or the system (SIGTERM, SIGHUP) asked the program to stop.
 #[derive(Clone, Debug, Default)]

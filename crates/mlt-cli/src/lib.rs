@@ -26,6 +26,7 @@ pub use terminal::{print, warn};
 
 /// Runs the program with the arguments of this process.
 pub fn main() -> ExitCode {
+    interrupt::outlive_file_limits();
     let outcome = match args::Cli::try_parse() {
         Ok(cli) => run(&cli),
         Err(error) => Failure::from_clap(&error),

@@ -54,9 +54,9 @@ pub enum Importance {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Weights {
     /// In proportion to the power of the strata's lights
-    #[default]
     Power,
     /// By the noise and cost that pilot rounds measure
+    #[default]
     Adaptive,
 }
 
@@ -117,9 +117,9 @@ pub struct RenderOptions {
     /// light; add ',length' and ',tiles:NxM' to cut by path length and over the image as well
     #[arg(long, value_name = "none|auto|COUNT|NxM", default_value_t, help_heading = "Method")]
     pub strata: Strata,
-    /// How mutations are shared among strata
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub weights: Weights,
+    /// How mutations are shared among strata; adaptive if not given
+    #[arg(long, value_enum, help_heading = "Method")]
+    pub weights: Option<Weights>,
     /// Rounds of each measurement of the pilot, for adaptive weights and automatic strata
     #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Method")]
     #[arg(value_parser = clap::value_parser!(u64).range(2..=64))]
@@ -152,7 +152,8 @@ pub struct RenderOptions {
     #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = "Budget")]
     pub error: Option<f64>,
 
-    /// Share the budget out to this many rounds: independent renders of the whole image, averaged. 16 or more if not given
+    /// Share the budget out to this many rounds: independent renders of the whole image, averaged. 16 or more if not given; a
+    /// round of auto, bdpt or pt takes one sample of every pixel at least
     #[arg(long, value_name = "N", help_heading = "Budget")]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=MAX_ROUNDS))]
     pub rounds: Option<u64>,
@@ -200,7 +201,7 @@ impl RenderOptions {
     /// The method that was asked for, or the one that suits the other options.
     pub fn method(&self) -> Method {
         let mutations = self.mutations_per_pixel.is_some() || self.variant != Variant::default();
-        let strata = self.strata != Strata::default() || self.weights != Weights::default();
+        let strata = self.strata != Strata::default() || self.weights.is_some();
         let perturbations = self.perturbations != PerturbationList::default();
         let importance = self.importance != Importance::default();
         self.method.unwrap_or(if mutations || strata || perturbations || importance {
@@ -208,6 +209,11 @@ impl RenderOptions {
         } else {
             Method::Auto
         })
+    }
+
+    /// How mutations are shared among strata.
+    pub fn weights(&self) -> Weights {
+        self.weights.unwrap_or_default()
     }
 
     /// The budget that was asked for; at most one can be.
@@ -227,16 +233,23 @@ impl RenderOptions {
                 "--mutations-per-pixel: {method} is not told how many to make; use --samples-per-pixel"
             ));
         }
+        if let (false, Some(samples), rounds) =
+            (self.method().mutates(), self.samples_per_pixel, self.rounds.unwrap_or(1))
+            && rounds as f64 > samples
+        {
+            return usage(format!(
+                "--samples-per-pixel {samples}: a round of {} takes one sample of every pixel at least, and {rounds} are to be made; \
+                 give more samples or fewer rounds",
+                value_name(self.method())
+            ));
+        }
         if self.camera_from.is_some() && self.camera_from == self.camera_to {
             return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
         }
-        for (index, output) in self.outputs.iter().enumerate() {
-            if self.outputs[..index].contains(output) {
-                return usage(format!("{} is given twice", output.path.display()));
-            }
-        }
+        let targets = self.targets();
         let check = |output: &OutputFile| output::check_target(&output.path).map_err(Failure::Usage);
-        self.targets().iter().try_for_each(check)
+        targets.iter().try_for_each(check)?;
+        output::check_apart(&targets).map_err(Failure::Usage)
     }
 
     /// The files asked for, or SCENE.exr and SCENE.png in the current folder.
@@ -292,6 +305,7 @@ mod tests {
             "--strata 4x4",
             "--mutations-per-pixel 8",
             "--weights adaptive",
+            "--weights power",
             "--perturbations none",
             "--importance relative",
         ] {
@@ -305,13 +319,13 @@ mod tests {
     fn a_full_line_is_understood() {
         let options = parse(
             "a.gltf -o a.exr -o b.png --method bdpt --strata 4x3 --importance luminance --max-length 8 \
-             --samples-per-pixel 0.5 --rounds 4 --first-round 2 --seed 7 --threads 3 --size 64x48 \
+             --samples-per-pixel 4.5 --rounds 4 --first-round 2 --seed 7 --threads 3 --size 64x48 \
              --camera-from -1,2,3 --camera-to 0,0,-1 --fov 40 --exposure -1.5 --json --quiet",
         )
         .expect("valid");
         assert_eq!(options.outputs.len(), 2);
         assert_eq!((options.method(), options.strata), (Method::Bdpt, "4x3".parse().expect("strata")));
-        assert_eq!(options.budget(), Some(Budget::SamplesPerPixel(0.5)));
+        assert_eq!(options.budget(), Some(Budget::SamplesPerPixel(4.5)));
         assert_eq!((options.rounds, options.first_round, options.max_length), (Some(4), 2, Some(8)));
         assert_eq!((options.camera_from, options.camera_to), (Some([-1.0, 2.0, 3.0]), Some([0.0, 0.0, -1.0])));
         assert_eq!((options.fov, options.exposure), (Some(40.0), -1.5));

@@ -8,8 +8,8 @@ use super::{
     summary::Axis,
 };
 
-/// Unstratified and stratified; the paper does not say into how many cells it cuts a light.
-pub const METHODS: [&str; 2] = ["mlt:none", "mlt:4x4"];
+/// Unstratified and stratified, with the paper's weights; it does not say into how many cells it cuts a light.
+pub const METHODS: [&str; 2] = ["mlt:none:weights=power", "mlt:4x4:weights=power"];
 
 /// A scene of the paper's table.
 pub struct PaperScene {

@@ -12,13 +12,14 @@ use tempfile::NamedTempFile;
 /// Puts `bytes` at `path`: into a temporary file beside it, to the disk, then renamed.
 ///
 /// On failure the error names the file, what stood at `path` stays, and nothing new is left behind. A file that is
-/// replaced keeps its permissions; a new one gets the usual ones. A symbolic link is followed, not replaced.
+/// replaced keeps its permissions; a new one gets the usual ones. A symbolic link is followed, not replaced, whether there is a file at
+/// its end or not.
 pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     replace(path, bytes).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
 fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let target = followed(path)?;
     let folder = folder_of(&target);
     let mut file = temporary_in(&folder)?;
     if let Ok(existing) = fs::metadata(&target) {
@@ -30,6 +31,22 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // The rename itself reaches the disk with the folder; where a folder cannot be synchronised it still happened.
     let _ = File::open(&folder).and_then(|folder| folder.sync_all());
     Ok(())
+}
+
+/// Most symbolic links on the way to a file, as Linux has it.
+const MOST_LINKS: usize = 40;
+
+/// Where a file of this name lies or would lie, with the path's last part no symbolic link.
+pub(super) fn followed(path: &Path) -> std::io::Result<PathBuf> {
+    let mut target = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&target) {
+            // A link says where its end is as seen from its own folder.
+            Ok(end) => target = folder_of(&target).join(end),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "too many symbolic links"))
 }
 
 /// The folder that a file of this name lies in; the current one for a bare name.
@@ -115,5 +132,23 @@ mod tests {
         write(&link, b"new").expect("written");
         assert_eq!(fs::read(&real).expect("there"), b"new");
         assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nothing_yet_is_followed_too_and_a_ring_of_links_is_refused() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().expect("a folder");
+        let [first, second, sub] = ["first.exr", "second.exr", "sub"].map(|name| folder.path().join(name));
+        fs::create_dir(&sub).expect("made");
+        symlink("sub/second.exr", &first).expect("linked");
+        symlink("../real.exr", sub.join("second.exr")).expect("linked");
+        write(&first, b"new").expect("written");
+        assert_eq!(fs::read(folder.path().join("real.exr")).expect("there"), b"new");
+        assert!(fs::symlink_metadata(&first).expect("there").is_symlink());
+
+        symlink(&second, &second).expect("linked");
+        let message = format!("{:#}", write(&second, b"new").expect_err("refused"));
+        assert!(message.contains("too many symbolic links"), "{message}");
     }
 }

@@ -20,7 +20,7 @@ use ::exr::{
 use anyhow::{Context, bail};
 
 use super::check_size;
-use crate::image::Image;
+use crate::{image::Image, require_memory};
 
 /// The first bytes of every OpenEXR file.
 pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -119,6 +119,10 @@ fn decode(path: &Path) -> anyhow::Result<ExrFile> {
     for header in chunks.headers() {
         // The image and its standard error, 12 bytes each.
         check_size(header.layer_size.width(), header.layer_size.height(), 24)?;
+        // What is decoded at once, all channels of it.
+        let Vec2(width, height) = header.max_block_pixel_size();
+        let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(header.channels.bytes_per_pixel as u64);
+        require_memory(bytes, &format!("a block of {width}x{height} pixels"))?;
     }
     let file = exr_read()
         .no_deep_data()

@@ -54,6 +54,7 @@ impl FromStr for OutputFile {
 /// Finds out before a long run whether a file could be written at `path`; leaves nothing behind.
 pub fn check_target(path: &Path) -> anyhow::Result<()> {
     let name = path.display();
+    let path = &atomic::followed(path).with_context(|| name.to_string())?;
     let folder = atomic::folder_of(path);
     if !folder.is_dir() {
         bail!("{name}: the folder {} does not exist", folder.display());
@@ -68,6 +69,34 @@ pub fn check_target(path: &Path) -> anyhow::Result<()> {
     }
     let temporary = tempfile::tempfile_in(&folder);
     temporary.map(drop).with_context(|| format!("{name}: cannot write in the folder {}", folder.display()))
+}
+
+/// Finds out whether two of the targets are one file, by whatever names.
+pub fn check_apart(targets: &[OutputFile]) -> anyhow::Result<()> {
+    for (index, OutputFile { path, .. }) in targets.iter().enumerate() {
+        for OutputFile { path: earlier, .. } in &targets[..index] {
+            if path == earlier {
+                bail!("{} is given twice", path.display());
+            }
+            if is_same_file(path, earlier).with_context(|| path.display().to_string())? {
+                bail!(
+                    "{} and {} are the same file; give each output a file of its own",
+                    earlier.display(),
+                    path.display()
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether two names lead to the same file, which need not exist yet.
+fn is_same_file(a: &Path, b: &Path) -> std::io::Result<bool> {
+    let [a, b] = [atomic::followed(a)?, atomic::followed(b)?];
+    if a.exists() && b.exists() {
+        return same_file::is_same_file(a, b);
+    }
+    Ok(a.file_name() == b.file_name() && same_file::is_same_file(atomic::folder_of(&a), atomic::folder_of(&b))?)
 }
 
 /// Reads an OpenEXR or PNG file, whichever its first bytes say, as linear Rec. 709.
@@ -140,6 +169,26 @@ mod tests {
         fs::write(&target, "old").expect("written");
         assert!(check_target(&target).is_ok());
         assert_eq!(fs::read(&target).expect("kept"), b"old");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn two_names_of_one_file_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = |name: &str| OutputFile { path: folder.path().join(name), format: Format::Exr };
+        let refused = |a: &str, b: &str| check_apart(&[file(a), file(b)]).err().map(|error| error.to_string());
+        fs::create_dir(folder.path().join("sub")).expect("made");
+        assert_eq!(refused("a.exr", "b.exr"), None);
+        assert!(refused("a.exr", "a.exr").is_some_and(|message| message.ends_with("a.exr is given twice")));
+        assert!(refused("a.exr", "sub/../a.exr").is_some_and(|message| message.contains("are the same file")));
+
+        std::os::unix::fs::symlink("a.exr", folder.path().join("link.exr")).expect("linked");
+        assert!(refused("a.exr", "link.exr").is_some());
+        fs::write(folder.path().join("a.exr"), "").expect("written");
+        assert!(refused("a.exr", "link.exr").is_some());
+        fs::hard_link(folder.path().join("a.exr"), folder.path().join("hard.exr")).expect("linked");
+        assert!(refused("a.exr", "hard.exr").is_some());
+        assert_eq!(refused("a.exr", "b.exr"), None);
     }
 
     #[test]

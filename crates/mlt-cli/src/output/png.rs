@@ -14,6 +14,10 @@ use crate::image::Image;
 /// The first bytes of every PNG file.
 pub const MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
+/// Most memory for what a file holds besides its pixels: whatever that says, a few bytes can ask for gigabytes. Larger profiles are
+/// skipped, as none is used. The pixels' own memory is checked against what the machine has.
+const MOST_BESIDES: u64 = 4 << 20;
+
 /// The file's bytes: pixels times 2^`exposure`, clipped to 0…1, by the sRGB curve; NaN becomes black.
 ///
 /// `exposure`: in stops (EV). Same image, same bytes.
@@ -40,8 +44,7 @@ fn decode(path: &Path) -> anyhow::Result<Image> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE as u32);
     limits.max_image_height = Some(MAX_SIDE as u32);
-    // The pixels' own memory is checked below, against what the machine has.
-    limits.max_alloc = None;
+    limits.max_alloc = Some(MOST_BESIDES);
     let decoder = PngDecoder::with_limits(BufReader::new(File::open(path)?), limits)?;
     let (width, height) = decoder.dimensions();
     let (width, height) = (width as usize, height as usize);

@@ -64,8 +64,8 @@ impl Grid {
 #[derive(Clone, Debug)]
 pub struct Blocks {
     grid: Grid,
-    /// Rounds seen, and Σ over them.
-    seen: u64,
+    /// Rounds seen, Σ of their weights, and Σ weight × round.
+    seen: [u64; 2],
     sums: Vec<f64>,
     /// Of each round, up to 4096 of them.
     pub rounds: Vec<Vec<f64>>,
@@ -75,20 +75,38 @@ impl Blocks {
     /// No rounds, for images of this size.
     pub fn new(size: [u32; 2]) -> Self {
         let grid = Grid::new(size.map(|n| n as usize), SIDE);
-        Self { grid, seen: 0, sums: vec![0.0; grid.count()], rounds: Vec::new() }
+        Self { grid, seen: [0; 2], sums: vec![0.0; grid.count()], rounds: Vec::new() }
     }
 
-    /// Takes in the round that was closed last, all rounds having equal weight. Rounds that were not shown are skipped.
+    /// Takes in the round that was closed last. Rounds that were not shown are skipped.
     pub fn add(&mut self, film: &Film<3>) {
-        if film.rounds() == self.seen || self.rounds.len() == MOST_ROUNDS {
+        let (now, [rounds, weight]) = ([film.rounds(), film.weight()], self.seen);
+        if now[0] == rounds || self.rounds.len() == MOST_ROUNDS {
             return;
         }
         let level = |i: usize| f64::from(luminance(Rgb::from_array(film.mean(i).map(|channel| channel as f32))));
-        let sums: Vec<f64> = self.grid.shares(level).iter().map(|mean| mean * film.rounds() as f64).collect();
-        if film.rounds() == self.seen + 1 {
-            self.rounds.push(sums.iter().zip(&self.sums).map(|(now, before)| now - before).collect());
+        let sums: Vec<f64> = self.grid.shares(level).iter().map(|mean| mean * now[1] as f64).collect();
+        if now[0] == rounds + 1 {
+            let of_round = (now[1] - weight) as f64;
+            self.rounds.push(sums.iter().zip(&self.sums).map(|(now, before)| (now - before) / of_round).collect());
         }
-        (self.sums, self.seen) = (sums, film.rounds());
+        (self.sums, self.seen) = (sums, now);
+    }
+
+    /// The largest share that one round has of the light of a part of the image, over parts that are no darker than the image;
+    /// `None` for a black image. A part is four blocks: one alone is small enough to be lit by chance.
+    pub fn largest_round(&self) -> Option<f64> {
+        let [columns, rows] = self.grid.cut;
+        let part = |block: usize| (block / columns / 2) * columns.div_ceil(2) + block % columns / 2;
+        let mut parts = vec![(0.0_f64, 0.0_f64); columns.div_ceil(2) * rows.div_ceil(2)];
+        for round in &self.rounds {
+            let mut sums = vec![0.0; parts.len()];
+            round.iter().enumerate().for_each(|(block, light)| sums[part(block)] += light);
+            parts.iter_mut().zip(sums).for_each(|(part, sum)| *part = (part.0 + sum, part.1.max(sum)));
+        }
+        let mean = parts.iter().map(|part| part.0).sum::<f64>() / parts.len() as f64;
+        let lit = parts.into_iter().filter(|&(total, _)| total >= mean && mean > 0.0);
+        lit.map(|(total, most)| most / total).reduce(f64::max)
     }
 
     /// Potential scale reduction R̂ of the rounds, each taken as one chain, for the worst block.
@@ -162,6 +180,16 @@ mod tests {
 
         let stuck = rounds(1000, &[0.0, 1.0, 1.0, 0.0]).agreement().expect("four rounds");
         assert!(stuck.r_hat > 1.4 && stuck.effective_samples < 4.0, "{stuck:?}");
+    }
+
+    #[test]
+    fn a_round_that_brought_most_of_the_light_is_found() {
+        let even = rounds(1000, &[0.5; 8]).largest_round().expect("lit");
+        assert!((even - 0.125).abs() < 1e-6, "{even}");
+        let mut blocks = rounds(1000, &[0.5; 8]);
+        blocks.rounds[3].iter_mut().for_each(|light| *light *= 10.0);
+        assert!((blocks.largest_round().expect("lit") - 10.0 / 17.0).abs() < 1e-6);
+        assert_eq!(Blocks::new([8, 8]).largest_round(), None);
     }
 
     #[test]

@@ -83,12 +83,17 @@ fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> Vec<(
         text("first_round", report.first_round.to_string()),
         text("per_pixel_per_round", per_pixel.to_string()),
         text("b", report.b.to_string()),
-        text("b_stderr", report.b_stderr.to_string()),
+        text("b_stderr", known(Some(report.b_stderr))),
         text("seconds", report.seconds.to_string()),
-        text("relative_error", report.relative_error.map_or_else(|| "unknown".into(), |error| error.to_string())),
-        text("r_hat", report.agreement.map_or_else(|| "unknown".into(), |agreement| agreement.r_hat.to_string())),
+        text("relative_error", known(report.relative_error)),
+        text("r_hat", known(report.agreement.map(|agreement| agreement.r_hat))),
         text("warnings", report.warnings.join("\n")),
     ]
+}
+
+/// A figure, if it is one.
+fn known(value: Option<f64>) -> String {
+    value.filter(|value| value.is_finite()).map_or_else(|| "unknown".into(), |value| value.to_string())
 }
 
 /// `text` as one word for a POSIX shell.

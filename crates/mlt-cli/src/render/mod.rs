@@ -9,6 +9,7 @@ mod session;
 mod settings;
 mod setup;
 mod summary;
+mod trust;
 
 use std::{io::Write, time::Duration};
 
@@ -19,6 +20,7 @@ use crate::{Failure, args::render::RenderOptions, image::Image, interrupt::Inter
 pub(crate) use blocks::{Blocks, Grid};
 pub(crate) use plan::Plan;
 pub(crate) use setup::Setup;
+pub(crate) use trust::Trust;
 
 /// Renders, writes the files, and reports.
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {

@@ -9,8 +9,8 @@ const ROUNDS: u64 = 16;
 /// Rounds of chains that a time budget aims at.
 const TIMED_ROUNDS: f64 = 16.0;
 /// Fewest rounds of samples that a time budget aims at, and half of the most: few, since well-stratified samples gain from
-/// being many in a round, but enough to tell the error.
-const FEWEST_ROUNDS: f64 = TRUSTED_ROUNDS as f64 + 1.0;
+/// being many in a round, but enough to tell the error, and to end within a twentieth of the time.
+const FEWEST_ROUNDS: f64 = TRUSTED_ROUNDS as f64 + 2.0;
 /// Fewest rounds whose spread is trusted to end a render.
 pub(crate) const TRUSTED_ROUNDS: u64 = 8;
 /// Most mutations a pixel of a round that nobody asked for: what an interruption may cost.

@@ -6,7 +6,7 @@ use std::{
 };
 
 use mlt_core::{
-    engine::{Film, Outcome},
+    engine::{self, Film, Outcome},
     transport::{
         path::View,
         render::{Counts, Renderer, relative_error},
@@ -14,7 +14,7 @@ use mlt_core::{
 };
 
 use super::{
-    Plan, Setup,
+    Plan, Setup, Trust,
     blocks::Blocks,
     ending::{Ending, STEPS},
     settings::{settings, without_pilot},
@@ -37,6 +37,9 @@ const ENOUGH: Duration = Duration::from_millis(300);
 const BYTES_PER_MUTATION: f64 = 0.6;
 /// Bytes for each sample of the pixels in work, two a thread: its deposits.
 const BYTES_PER_SAMPLE: f64 = 64.0;
+/// Mutations or samples of a task, about.
+const TASK: f64 = 8192.0;
+
 /// A render that is over.
 pub struct Finished {
     /// Its image.
@@ -53,41 +56,53 @@ pub struct Finished {
 pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Interrupt) -> Result<Finished, Failure> {
     let (start, cpu) = (Instant::now(), cpu_seconds());
     let view = View { scene: &setup.scene, camera: &setup.camera };
-    let per_pixel = plan.per_pixel.unwrap_or_else(|| measured(options, view, &plan, interrupt));
-    require_memory_for_round(options.method(), per_pixel, f64::from(setup.camera.pixels()))?;
+    let pixels = f64::from(setup.camera.pixels());
+    let Round { per_pixel, time } = match plan.per_pixel {
+        Some(per_pixel) => Round { per_pixel, time: Duration::ZERO },
+        None => measured(options, view, &plan, interrupt),
+    };
+    require_memory_for_round(options.method(), per_pixel, pixels)?;
     let renderer = Renderer::new(view, settings(options, per_pixel));
     let (mut film, mut counts) = (renderer.film(), Counts::default());
-    let mut ending = Ending::new(plan, interrupt.clone(), start);
+    let ending = Ending::new(plan, interrupt.clone(), start, time);
     let progress = Progress::new(STEPS, options.method().unit(), options.quiet);
-    let pixels = f64::from(setup.camera.pixels());
-    let first = options.first_round;
-    let last = plan.rounds.map_or(u64::MAX, |rounds| first.saturating_add(rounds));
     let (watched, mut error) = (progress.is_shown() || plan.error.is_some(), None);
     let mut blocks = Blocks::new(setup.camera.size());
-    let outcome = renderer.render(first..last, &mut film, &mut counts, &mut |at, film| {
+    let mut observe = |at: engine::Progress, film: &Film<3>| {
+        let rounds = film.rounds();
         if at.fraction == 0.0 {
             blocks.add(film);
         }
-        if watched && at.rounds > 1 && at.fraction == 0.0 {
+        if watched && rounds > 1 && at.fraction == 0.0 {
             error = Some(relative_error(film)).filter(|error| error.is_finite());
         }
-        let done = at.rounds as f64 + at.fraction;
+        let done = rounds as f64 + at.fraction;
         let rate = done * per_pixel * pixels / start.elapsed().as_secs_f64();
         progress.update(ending.share(done, error), rate, error);
-        ending.reached(at.rounds, at.fraction == 0.0, error)
-    });
+        ending.reached(rounds, at.fraction == 0.0, error)
+    };
+    let mut outcome = Outcome::Complete;
+    while outcome == Outcome::Complete {
+        let next = options.first_round.saturating_add(film.rounds());
+        let end = next.saturating_add(ending.next(film.rounds()));
+        if end == next {
+            break;
+        }
+        outcome = renderer.render(next..end, &mut film, &mut counts, &mut observe);
+    }
     progress.finish();
     let interrupted = outcome == Outcome::Stopped && interrupt.requested();
     if film.rounds() == 0 {
-        let (what, code): (_, fn(anyhow::Error) -> Failure) = match interrupted {
-            true => ("interrupted before the first round was finished; nothing is written", Failure::InterruptedEarly),
-            false => ("the time was over before the first round was finished; give it more", Failure::Run),
-        };
-        return Err(code(anyhow::anyhow!(what)));
+        return Err(Failure::InterruptedEarly(anyhow::anyhow!(
+            "interrupted before the first round was finished; nothing is written"
+        )));
     }
     let mut report = report(options, setup, &film, &counts);
     report.agreement = blocks.agreement().filter(|_| counts.steps() > 0);
     report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));
+    report.warnings.extend(ending.missed(film.rounds(), report.relative_error).filter(|_| !interrupted));
+    report.trust = Trust::new(&film, &counts, &blocks, setup.camera.size());
+    report.warnings.extend(report.trust.doubts());
     report.decision = renderer.decision().map(Decision::from);
     report.interrupted = interrupted;
     report.seconds = start.elapsed().as_secs_f64();
@@ -95,8 +110,16 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
     Ok(Finished { film, report, per_pixel, blocks })
 }
 
-/// The size of a round that suits a time budget, from the speed of a small render.
-fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> f64 {
+/// The size of a round.
+struct Round {
+    /// Mutations or samples a pixel.
+    per_pixel: f64,
+    /// What it takes, about; 0 where that does not matter.
+    time: Duration,
+}
+
+/// The round that suits a time budget, from the speed of small renders: each keeps all threads busy.
+fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> Round {
     let time = plan.time.unwrap_or_default();
     let (start, enough) = (Instant::now(), time.mul_f64(0.01).min(ENOUGH));
     let mut observe = |_, _: &Film<3>| match interrupt.requested() {
@@ -106,17 +129,26 @@ fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interr
     let mut size = 1.0 / 64.0;
     loop {
         let trial = Renderer::new(view, without_pilot(settings(options, size)));
-        let before = Instant::now();
-        if trial.render(0..1, &mut trial.film(), &mut Counts::default(), &mut observe) == Outcome::Stopped {
-            return size;
+        let done = if options.method().mutates() { size } else { size.max(1.0) };
+        let rounds = rounds_of_trial(done * f64::from(view.camera.pixels()));
+        let (mut film, before) = (trial.film(), Instant::now());
+        if trial.render(0..rounds, &mut film, &mut Counts::default(), &mut observe) == Outcome::Stopped {
+            return Round { per_pixel: size, time: Duration::ZERO };
         }
         let taken = before.elapsed();
-        let done = if options.method().mutates() { size } else { size.max(1.0) };
         if taken > enough || start.elapsed() > time.mul_f64(0.05) {
-            return plan.per_pixel_at(done / taken.as_secs_f64().max(1e-6), time.saturating_sub(start.elapsed()));
+            let rate = rounds as f64 * done / taken.as_secs_f64().max(1e-6);
+            let per_pixel = plan.per_pixel_at(rate, time.saturating_sub(start.elapsed()));
+            return Round { per_pixel, time: Duration::from_secs_f64(per_pixel / rate) };
         }
         size *= 4.0;
     }
+}
+
+/// Rounds of so many mutations or samples that give each thread two tasks, but no more of them than that.
+fn rounds_of_trial(size: f64) -> u64 {
+    let most = 2 * rayon::current_num_threads() as u64;
+    (most as f64 * TASK / size).clamp(1.0, most as f64) as u64
 }
 
 /// Refuses a round whose memory, besides the film's, is more than there is.

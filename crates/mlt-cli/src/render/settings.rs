@@ -24,7 +24,7 @@ pub fn settings(options: &RenderOptions, per_pixel: f64) -> Settings {
         stratification: options.strata.lights,
         classes: options.strata.classes,
         adaptation: Adaptation {
-            weights: match options.weights {
+            weights: match options.weights() {
                 render::Weights::Power => Weights::Power,
                 render::Weights::Adaptive => Weights::Adaptive,
             },
@@ -53,5 +53,6 @@ pub fn without_pilot(settings: Settings) -> Settings {
         Stratification::Auto => Stratification::None,
         other => other,
     };
-    Settings { method, stratification, adaptation: Adaptation::default(), target: Target::Luminance, ..settings }
+    let adaptation = Adaptation { weights: Weights::Power, ..settings.adaptation };
+    Settings { method, stratification, adaptation, target: Target::Luminance, ..settings }
 }

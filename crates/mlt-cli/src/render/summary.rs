@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use mlt_core::{
-    engine::{Film, MutationStats, StratumStats},
-    transport::render::{Counts, luminance_and_error, relative_error},
+    engine::{Film, MutationStats, Pixel, StratumStats},
+    transport::render::{Counts, mean_luminance, relative_error},
 };
 
-use super::{Setup, losses::losses, plan::TRUSTED_ROUNDS};
+use super::{Setup, Trust, losses::losses, plan::TRUSTED_ROUNDS};
 use crate::{
     args::render::{RenderOptions, value_name},
     report::{Acceptance, Report, StratumReport},
@@ -15,21 +15,19 @@ use crate::{
 
 /// A run of rejections that is worth a warning: half of the longest chain of a round.
 const STUCK: u64 = 4096;
-/// Relative uncertainty of a stratum's b that is worth a warning.
-const UNCERTAIN: f64 = 0.05;
 
 /// The report, but for times, files and what only the session knows.
 pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Counts) -> Report {
     let [width, height] = setup.camera.size().map(|n| n as usize);
     let error = relative_error(film);
-    let (b, b_stderr) = image_mean(film, counts);
+    let Pixel { mean: b, stderr: b_stderr } = mean_luminance(film);
     let mutations = by_mutation(counts);
     let mut report = Report {
         version: env!("CARGO_PKG_VERSION").into(),
         scene: setup.name.clone(),
         method: value_name(options.method()),
         strata_option: options.strata.to_string(),
-        weights: value_name(options.weights),
+        weights: value_name(options.weights()),
         rounds_pilot: options.rounds_pilot,
         variant: value_name(options.variant),
         perturbations: options.perturbations.to_string(),
@@ -56,6 +54,7 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
         strata: counts.strata.iter().map(stratum).collect(),
         relative_error: error.is_finite().then_some(error),
         agreement: None,
+        trust: Trust::default(),
         decision: None,
         warnings: setup.warnings.clone(),
         outputs: Vec::new(),
@@ -63,18 +62,6 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
     report.warnings.extend(warnings(film, counts));
     report.warnings.extend(losses(film, counts, width));
     report
-}
-
-/// b and its standard error: from the strata if chains make the whole image, or else the image's mean.
-fn image_mean(film: &Film<3>, counts: &Counts) -> (f64, f64) {
-    let root = |squares: f64| squares.sqrt();
-    if counts.samples == 0 {
-        let b = counts.strata.iter().map(StratumStats::b).sum();
-        return (b, root(counts.strata.iter().map(|s| s.b_stderr().powi(2)).sum()));
-    }
-    let pixels = || (0..film.sites() as usize).map(|i| luminance_and_error(film, i));
-    let n = f64::from(film.sites());
-    (pixels().map(|p| p.0).sum::<f64>() / n, root(pixels().map(|p| p.1 * p.1).sum()) / n)
 }
 
 /// Counts of each mutation over all strata.
@@ -109,9 +96,6 @@ fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
             warnings.push(text);
         }
     };
-    let b: f64 = counts.strata.iter().map(StratumStats::b).sum();
-    let uncertain = |s: &&StratumStats| s.b_stderr() > UNCERTAIN * s.b() && s.b() > 0.01 * b;
-    let strata = counts.strata.iter().filter(uncertain).count();
     let longest = counts.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0);
     let dark = (0..film.sites() as usize).all(|i| film.pixel(i).iter().all(|channel| channel.mean == 0.0));
     let rounds = film.rounds();
@@ -120,8 +104,6 @@ fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
         (2..TRUSTED_ROUNDS).contains(&rounds),
         format!("the error is estimated from {rounds} rounds only; take {TRUSTED_ROUNDS} or more to trust it"),
     );
-    let who = if strata == 1 { "a stratum has".to_owned() } else { format!("{strata} strata have") };
-    warn(strata > 0, format!("{who} a b that is uncertain by more than 5 %; take more mutations"));
     warn(longest > STUCK, format!("a chain was stuck for {longest} mutations; the image may have bright spots"));
     warn(dark, "the image is black: no path from a light to the camera was found".into());
     warnings

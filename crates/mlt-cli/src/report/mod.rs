@@ -7,7 +7,7 @@ use std::{collections::BTreeMap, fmt};
 use mlt_core::engine::HalfChains;
 use serde::Serialize;
 
-use crate::progress::short;
+use crate::{progress::short, render::Trust};
 
 pub use decision::{Decision, Part};
 
@@ -66,9 +66,9 @@ pub struct Report {
     pub acceptance: Acceptance,
     /// By name of the mutation, the longest run of its proposals in a chain of which none was accepted.
     pub longest_rejection: BTreeMap<String, u64>,
-    /// ∫ I over all paths: mean importance of the image, all strata together.
+    /// Mean luminance of the image.
     pub b: f64,
-    /// Standard error of `b`.
+    /// Its standard error, from its scatter over rounds; infinite (`null` in JSON) after one round.
     pub b_stderr: f64,
     /// Each stratum; empty when the method has none.
     pub strata: Vec<StratumReport>,
@@ -76,6 +76,8 @@ pub struct Report {
     pub relative_error: Option<f64>,
     /// How well the rounds agree; `None` without chains, when there were too few rounds to tell, and for a black image.
     pub agreement: Option<Agreement>,
+    /// What the error bars rest on.
+    pub trust: Trust,
     /// What the method `auto` decided; `None` for other methods.
     pub decision: Option<Decision>,
     /// What the user should know.
@@ -107,14 +109,14 @@ pub struct Agreement {
     pub effective_samples: f64,
 }
 
-/// R̂ that is worth a warning. Source: [GelmanEtAl13], section 11.4, asks for less than 1.1 and notes that 1.05 is safer.
-const DISAGREEMENT: f64 = 1.05;
+/// Effective samples that are too few to know how bright a block is, let alone its error.
+const FEW_SAMPLES: f64 = 50.0;
 
 impl Agreement {
     /// What to tell the user if rounds disagree.
     pub fn warning(&self) -> Option<String> {
         let Self { r_hat, block: [x, y], blocks: [columns, rows], effective_samples } = self;
-        (*r_hat > DISAGREEMENT).then(|| {
+        (*effective_samples < FEW_SAMPLES).then(|| {
             format!(
                 "rounds disagree (R-hat {r_hat:.2}) in column {} of {columns}, row {} of {rows}, of the image: they are worth \
                  {effective_samples:.0} independent samples there; take more or longer rounds",
@@ -147,6 +149,9 @@ pub struct StratumReport {
 
 /// A quantity of any size, for reading.
 fn number(x: f64) -> String {
+    if !x.is_finite() {
+        return "unknown".into();
+    }
     if x == 0.0 || (1e-4..1e6).contains(&x) { format!("{x:.6}") } else { format!("{x:.3e}") }
 }
 
@@ -280,6 +285,7 @@ mod tests {
             ],
             relative_error: Some(0.0213),
             agreement: Some(Agreement { r_hat: 1.2, block: [1, 0], blocks: [8, 8], effective_samples: 36.0 }),
+            trust: Trust::default(),
             decision: None,
             warnings: vec!["textures are left out".into()],
             outputs: vec!["a.exr".into()],
@@ -327,9 +333,9 @@ mod tests {
     #[test]
     fn rounds_that_disagree_are_told_of() {
         let agreement = report().agreement.expect("known");
-        let warning = agreement.warning().expect("above 1.05");
+        let warning = agreement.warning().expect("few samples");
         assert!(warning.contains("R-hat 1.20") && warning.contains("column 2 of 8, row 1 of 8"), "{warning}");
-        assert_eq!(Agreement { r_hat: 1.01, ..agreement }.warning(), None);
+        assert_eq!(Agreement { effective_samples: 51.0, ..agreement }.warning(), None);
     }
 
     #[test]

@@ -50,14 +50,14 @@ impl Effort {
         format!("{size}, {replicas} replicas of {per_pixel} per pixel in {rounds} rounds, seeds from {seed}")
     }
 
-    /// Mutations or samples a pixel of this method.
+    /// Mutations or samples a pixel of this method, one a round at least.
     fn per_pixel_of(&self, method: Method) -> f64 {
         let cost = match method {
             Method::Bdpt | Method::Pssmlt => 8.0,
             Method::Auto | Method::Pt | Method::Mmlt => 2.0,
             _ => 1.0,
         };
-        (self.per_pixel / cost).max(1.0)
+        (self.per_pixel / cost).max(self.rounds as f64)
     }
 }
 

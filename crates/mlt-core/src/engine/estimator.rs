@@ -68,10 +68,15 @@ pub fn render<const C: usize, E: Estimator<C>>(
     observe: &mut Observer<'_, C, E::Tally>,
 ) -> Outcome {
     let mut merger = Merger { estimator, film, tally, observe, tallies: Vec::new(), rounds: 0 };
+    let prepare = |rounds: Range<u64>| rounds.into_par_iter().map(|round| (round, estimator.prepare(round)));
     let (mut next, mut in_flight, mut buffers) = (rounds.start, 1, Vec::new());
     while next < rounds.end {
-        let flight = next..rounds.end.min(next.saturating_add(in_flight));
-        let prepared: Vec<_> = flight.clone().into_par_iter().map(|round| (round, estimator.prepare(round))).collect();
+        let end = |in_flight| rounds.end.min(next.saturating_add(in_flight));
+        let mut prepared: Vec<_> = prepare(next..end(in_flight)).collect();
+        if next == rounds.start {
+            in_flight = rounds_in_flight(rayon::current_num_threads(), estimator.tasks(&prepared[0].1));
+            prepared.par_extend(prepare(end(1)..end(in_flight)));
+        }
         let tasks: Vec<_> =
             prepared.iter().flat_map(|p| (0..estimator.tasks(&p.1)).map(move |task| (p, task))).collect();
         if merger.run(&prepared, &tasks, &mut buffers).is_break() {
@@ -79,7 +84,7 @@ pub fn render<const C: usize, E: Estimator<C>>(
             return Outcome::Stopped;
         }
         in_flight = rounds_in_flight(rayon::current_num_threads(), tasks.len() / prepared.len());
-        next = flight.end;
+        next = end(prepared.len() as u64);
     }
     Outcome::Complete
 }

@@ -18,6 +18,7 @@ const BANDS: u32 = 6;
 pub struct Film<const C: usize> {
     round: Vec<[f64; C]>,
     sums: Vec<[Sums; C]>,
+    whole: Whole<C>,
     unit: f64,
     weight: u64,
     rounds: u64,
@@ -49,6 +50,31 @@ impl Sums {
     }
 }
 
+/// The same of X̄, the mean over all sites: Σ w X̄ of each channel, and Σ w X̄ X̄′ of each two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Whole<const C: usize> {
+    first: [i128; C],
+    second: [[i128; C]; C],
+}
+
+impl<const C: usize> Whole<C> {
+    /// Adds a round.
+    fn add(&mut self, mean: [f64; C], weight: i128) {
+        let mut products = [[0; C]; C];
+        for (row, a) in products.iter_mut().zip(mean) {
+            *row = mean.map(|b| quantise(a * b).saturating_mul(weight));
+        }
+        self.merge(&Self { first: mean.map(|a| quantise(a).saturating_mul(weight)), second: products });
+    }
+
+    /// Adds others.
+    fn merge(&mut self, other: &Self) {
+        let sums = self.first.iter_mut().chain(self.second.iter_mut().flatten());
+        let others = other.first.iter().chain(other.second.iter().flatten());
+        sums.zip(others).for_each(|(a, b)| *a = a.saturating_add(*b));
+    }
+}
+
 /// Mean and standard error of one channel of one site.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
@@ -59,14 +85,15 @@ pub struct Pixel {
 }
 
 impl<const C: usize> Film<C> {
-    /// A black film. `unit` is a typical value of a site, right to within a factor of 10⁶: it sets the quanta of the
+    /// A black film. `unit` is a value of a site, right to within a factor of 10⁴ or so: it sets the quanta of the
     /// sums, 2⁻⁶⁰ units and 2⁻⁶⁰ units², and their ranges, 2⁶⁷ units and units².
     pub fn new(sites: u32, unit: f64) -> Self {
         let unit = if unit.is_normal() && unit > 0.0 { libm::exp2(libm::floor(libm::log2(unit))) } else { 1.0 };
         let n = sites as usize;
         let (round, sums) = (vec![[0.0; C]; n], vec![[Sums::default(); C]; n]);
         let shift = (sites.checked_ilog2().unwrap_or(0)).saturating_sub(BANDS).clamp(LEAST_SITES, MOST_SITES);
-        Self { round, sums, unit, weight: 0, rounds: 0, lost: Lost::default(), shift }
+        let whole = Whole { first: [0; C], second: [[0; C]; C] };
+        Self { round, sums, whole, unit, weight: 0, rounds: 0, lost: Lost::default(), shift }
     }
 
     /// Number of sites.
@@ -77,6 +104,11 @@ impl<const C: usize> Film<C> {
     /// Rounds in the sums.
     pub fn rounds(&self) -> u64 {
         self.rounds
+    }
+
+    /// Σ w over them.
+    pub fn weight(&self) -> u64 {
+        self.weight
     }
 
     /// Deposits left out because they were not finite or lay outside.
@@ -109,12 +141,20 @@ impl<const C: usize> Film<C> {
         let scale = 1.0 / self.unit;
         let sites = 1 << self.shift;
         let bands = self.round.par_chunks_mut(sites).zip(self.sums.par_chunks_mut(sites));
-        bands.for_each(|(round, sums)| {
-            for (x, s) in round.iter_mut().flatten().zip(sums.iter_mut().flatten()) {
-                let value = std::mem::take(x) * scale;
-                s.add(value, i128::from(weight));
+        let close = |(round, sums): (&mut [[f64; C]], &mut [[Sums; C]])| {
+            let mut total = [0.0; C];
+            for (x, s) in round.iter_mut().zip(sums) {
+                let value = std::mem::replace(x, [0.0; C]).map(|x| x * scale);
+                for c in 0..C {
+                    s[c].add(value[c], i128::from(weight));
+                    total[c] += value[c];
+                }
             }
-        });
+            total
+        };
+        let totals: Vec<_> = bands.map(close).collect();
+        let mean = std::array::from_fn(|c| totals.iter().map(|t| t[c]).sum::<f64>() / f64::from(self.sites()));
+        self.whole.add(mean, i128::from(weight));
         self.weight += weight;
         self.rounds += 1;
     }
@@ -139,6 +179,7 @@ impl<const C: usize> Film<C> {
             a.first = a.first.saturating_add(b.first);
             a.second = a.second.saturating_add(b.second);
         }
+        self.whole.merge(&other.whole);
         self.weight += other.weight;
         self.rounds += other.rounds;
         self.lost.merge(&other.lost);
@@ -153,21 +194,44 @@ impl<const C: usize> Film<C> {
     }
 
     /// Mean and standard error of a site's channels, of the rounds closed so far; 0 without any.
-    ///
-    /// mean = Σ w X / W,  stderr² = (Σ w X² − W mean²) / ((R − 1) W),  W = Σ w.
     pub fn pixel(&self, site: usize) -> [Pixel; C] {
         self.sums[site].map(|s| {
-            if self.rounds == 0 {
-                return Pixel { mean: 0.0, stderr: f64::INFINITY };
-            }
-            let w = self.weight as f64;
-            let (mean, square) = (dequantise(s.first) / w, dequantise(s.second) / w);
-            let variance = (square - mean * mean).max(0.0) / (self.rounds as f64 - 1.0);
-            let unknown = self.rounds < 2 || s.second == i128::MAX;
-            let stderr = if unknown { f64::INFINITY } else { variance.sqrt() * self.unit };
+            let Moments { mean, variance } = self.moments(dequantise(s.first), dequantise(s.second));
+            let stderr = if s.second == i128::MAX { f64::INFINITY } else { variance.sqrt() * self.unit };
             Pixel { mean: mean * self.unit, stderr }
         })
     }
+
+    /// Mean over all sites of Σ_c weights_c × channel c, and its standard error: the scatter over rounds of that mean. What
+    /// sites have in common in a round is in it, which no sum over the sites' own errors has.
+    pub fn whole(&self, weights: [f64; C]) -> Pixel {
+        let Whole { first, second } = &self.whole;
+        let weighted = |row: &[i128; C]| row.iter().zip(weights).map(|(&x, w)| w * dequantise(x)).sum::<f64>();
+        let square = second.iter().zip(weights).map(|(row, w)| w * weighted(row)).sum();
+        let Moments { mean, variance } = self.moments(weighted(first), square);
+        Pixel { mean: mean * self.unit, stderr: variance.sqrt() * self.unit }
+    }
+
+    /// From Σ w X and Σ w X² over the rounds, in the same unit.
+    ///
+    /// mean = Σ w X / W,  stderr² = (Σ w X² − W mean²) / ((R − 1) W),  W = Σ w,  and what rounding may hide of X².
+    fn moments(&self, first: f64, second: f64) -> Moments {
+        if self.rounds == 0 {
+            return Moments { mean: 0.0, variance: f64::INFINITY };
+        }
+        let w = self.weight as f64;
+        let mean = first / w;
+        let rounding = if first == 0.0 { 0.0 } else { 0.5 / QUANTA };
+        let scatter = (second / w - mean * mean).max(0.0) + rounding;
+        Moments { mean, variance: if self.rounds < 2 { f64::INFINITY } else { scatter / (self.rounds as f64 - 1.0) } }
+    }
+}
+
+/// Of a mean over rounds.
+struct Moments {
+    mean: f64,
+    /// Squared standard error; infinite with fewer than two rounds.
+    variance: f64,
 }
 
 const QUANTA: f64 = (1u64 << 60) as f64;
@@ -220,7 +284,34 @@ mod tests {
         rounds(&mut a, &values[..7]);
         assert!(b.merge(&a));
         assert_eq!(whole.pixel(1), b.pixel(1));
+        assert_eq!(whole.whole([1.0]), b.whole([1.0]));
         assert!(!b.merge(&Film::new(3, 0.3)));
+    }
+
+    /// Two sites that are bright together, or one at a time.
+    #[test]
+    fn the_error_of_the_whole_has_what_sites_have_in_common() {
+        let film = |values: [[f64; 2]; 4]| {
+            let mut film = Film::<2>::new(2, 1.0);
+            for [a, b] in values {
+                let mut deposits = film.deposits();
+                deposits.deposit(Splat { site: 0, value: [a, 2.0 * a] }, 1.0);
+                deposits.deposit(Splat { site: 1, value: [b, 0.0] }, 1.0);
+                film.add(&[deposits]);
+                film.close_round(1);
+            }
+            film
+        };
+        let together = film([[1.0, 1.0], [3.0, 3.0], [1.0, 1.0], [3.0, 3.0]]);
+        let Pixel { mean, stderr } = together.whole([1.0, 0.5]);
+        // Rounds of (1 + 1 + 1)/2 and of three times that.
+        assert!((mean - 3.0).abs() < 1e-12 && (stderr - 1.5 / 3f64.sqrt()).abs() < 1e-12, "{mean} ± {stderr}");
+        let in_turn = film([[1.0, 3.0], [3.0, 1.0], [1.0, 3.0], [3.0, 1.0]]);
+        let Pixel { mean, stderr } = in_turn.whole([1.0, 0.0]);
+        assert!(mean == 2.0 && stderr < 1e-8, "{mean} ± {stderr}");
+        // The negative control: squares of the sites' own errors know no difference.
+        let own = |film: &Film<2>| (0..2).map(|i| film.pixel(i)[0].stderr.powi(2)).sum::<f64>();
+        assert!((own(&together) - own(&in_turn)).abs() < 1e-12);
     }
 
     #[test]
@@ -238,6 +329,16 @@ mod tests {
         let [pixel] = film.pixel(1);
         assert!((pixel.mean / 2e11 - 1.0).abs() < 1e-6);
         assert_eq!(pixel.stderr, f64::INFINITY);
+    }
+
+    #[test]
+    fn squares_below_the_quantum_leave_an_error() {
+        let mut film = Film::<1>::new(2, 1.0);
+        rounds(&mut film, &[(1e-11, 1), (3e-11, 1)]);
+        let [pixel] = film.pixel(1);
+        assert!((pixel.mean / 2e-11 - 1.0).abs() < 1e-6);
+        assert!(pixel.stderr > 1e-11 && pixel.stderr < 1e-9, "{pixel:?}");
+        assert_eq!(film.pixel(0)[0].stderr, 0.0);
     }
 
     #[test]

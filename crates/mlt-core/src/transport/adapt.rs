@@ -11,9 +11,9 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weights {
     /// In proportion to power.
-    #[default]
     Power,
     /// From the noise and cost that pilot rounds measure.
+    #[default]
     Adaptive,
 }
 
@@ -28,7 +28,7 @@ pub struct Adaptation {
 
 impl Default for Adaptation {
     fn default() -> Self {
-        Self { weights: Weights::Power, pilot_rounds: 4 }
+        Self { weights: Weights::default(), pilot_rounds: 4 }
     }
 }
 
@@ -72,26 +72,27 @@ pub(super) struct Pilot<'a> {
 /// What a render is to use.
 pub(super) struct Adapted {
     pub(super) strata: LightStrata,
-    pub(super) shares: Vec<Share>,
+    /// `None`: in proportion to power.
+    pub(super) shares: Option<Vec<Share>>,
     /// What the pilot spent.
     pub(super) tally: Tally,
 }
 
 impl Pilot<'_> {
-    /// The strata asked for, with shares by power or fitted.
+    /// The strata asked for, with shares by power or fitted. One stratum has nothing to share.
     pub(super) fn run(&self, stratification: Stratification) -> Adapted {
         let mut tally = Tally::default();
         let strata = match stratification {
             Stratification::Auto => self.refine(&mut tally),
             _ => self.cut(stratification),
         };
-        let by_power = (self.by_power)(&strata, self.mutations);
-        if self.adaptation.weights == Weights::Power {
-            return Adapted { strata, shares: by_power, tally };
+        if self.adaptation.weights == Weights::Power || strata.regions().len() * self.classes == 1 {
+            return Adapted { strata, shares: None, tally };
         }
         let measures = self.measure(&strata, LEVELS, &mut tally);
+        let by_power = (self.by_power)(&strata, self.mutations);
         let shares = allocate(&measures, &by_power, self.mutations, self.mutations_a_sample);
-        Adapted { strata, shares, tally }
+        Adapted { strata, shares: Some(shares), tally }
     }
 
     /// The strata asked for. Where a round has no room for a useful chain in each, weak ones are joined.

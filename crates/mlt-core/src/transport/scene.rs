@@ -147,12 +147,6 @@ impl Scene {
         self.dropped
     }
 
-    /// A radiance typical of images of this scene: the power over the surface of the sphere around it, over π.
-    pub fn typical_radiance(&self) -> f64 {
-        let radius = f64::from(self.space.radius);
-        self.lights.power() / (4.0 * radius * radius * std::f64::consts::PI.powi(2))
-    }
-
     /// The first surface along a direction, of any length, from a vertex.
     #[inline(always)]
     pub fn trace(&self, from: &Vertex, direction: Vec3A) -> Option<Vertex> {

@@ -6,6 +6,7 @@ use anyhow::Context;
 use askama::Template;
 
 use super::{
+    Budget,
     chart::{self, significant},
     paint,
     paper::{Cell as PaperCell, Comparison},
@@ -51,6 +52,7 @@ struct Scene {
     reference: String,
     budget: String,
     charts: Vec<String>,
+    off_time: Vec<String>,
     errors: Vec<Line>,
     target: String,
     reach_columns: Vec<String>,
@@ -120,6 +122,7 @@ fn scene(
         reference: describe(reference),
         budget: curves[0].last().rows[0].key.budget.clone(),
         charts: axes.iter().map(|axis| error_chart(curves, *axis, reference)).collect(),
+        off_time: off_time(ready, curves),
         errors: curves.iter().map(|curve| line(curve, error_cells(curve, axes[0]))).collect(),
         target: target.map_or_else(String::new, significant),
         reach_columns: compared.iter().map(|axis| axis.name().to_owned()).collect(),
@@ -158,6 +161,21 @@ fn error_chart(curves: &[Curve], axis: Axis, reference: &Reference) -> String {
     };
     let lines: Vec<_> = curves.iter().map(line).collect();
     chart::curves(&lines, axis.name(), "relMSE", reference.own_error.map(|own| (own, "noise of the reference")))
+}
+
+/// Runs that did not end at the time that they were given, in words.
+fn off_time(ready: &Ready, curves: &[Curve]) -> Vec<String> {
+    let of_budget = |budget: &Budget| {
+        let name = budget.to_string();
+        let points = curves.iter().flat_map(|curve| &curve.points);
+        let rows = points.flat_map(|point| &point.rows).filter(move |row| row.key.budget == name);
+        let told = |row: &&Row| {
+            let beyond = 100.0 * budget.missed_by(row.seconds)?;
+            Some(format!("{}, {budget}, seed {}: {:.2} s ({beyond:+.0} %)", row.key.method, row.key.seed, row.seconds))
+        };
+        rows.filter_map(told).collect::<Vec<_>>()
+    };
+    ready.study.budgets.iter().flat_map(of_budget).collect()
 }
 
 /// b_j, its standard error in one run and n_j, means over the seeds; `None` for methods with a single stratum or none.

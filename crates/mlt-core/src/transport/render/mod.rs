@@ -4,9 +4,10 @@ mod bootstrap;
 mod counts;
 mod error;
 mod planned;
+mod range;
 mod settings;
 
-use super::adapt::{Adapted, Pilot, Weights, error_weights};
+use super::adapt::{Adaptation, Adapted, Pilot, Weights, error_weights};
 use super::auto::{self, Plan, Summary};
 use super::bdpt::{Bidirectional, MOST_EDGES};
 use super::importance::{PixelImportance, Target};
@@ -33,7 +34,8 @@ pub(super) use bootstrap::mutations_a_sample;
 pub(super) use counts::PilotCounts;
 
 pub use counts::Counts;
-pub use error::{luminance_and_error, relative_error, standard_errors};
+pub use error::{luminance_and_error, mean_luminance, relative_error, standard_errors};
+pub use range::film_unit;
 pub use settings::{Method, Settings};
 
 /// Called with the state of a render; it breaks to stop it.
@@ -72,8 +74,8 @@ impl<'a> Renderer<'a> {
                     per_pixel: SAMPLES_OF_LEVEL,
                     ..Settings::default()
                 };
-                let (renderer, mut film) = (Self::new(view, quick), Film::new(view.camera.pixels(), 1.0));
-                let first = engine::PILOT;
+                let renderer = Self::new(view, quick);
+                let (mut film, first) = (renderer.film(), engine::PILOT);
                 renderer
                     .render(first..first + 1, &mut film, &mut Counts::default(), &mut |_, _| ControlFlow::Continue(()));
                 let image: Vec<_> = (0..film.sites() as usize).map(|i| luminance_and_error(&film, i).0).collect();
@@ -134,9 +136,14 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     fn adapt(&mut self) {
         let mutations = self.mutations_a_round();
         let (view, max_edges, classes) = (self.view, self.max_edges(), self.settings.classes);
+        let weights = match self.settings.variant {
+            Variant::Stratified => self.settings.adaptation.weights,
+            // All paths are one stratum.
+            Variant::MutationOnly => Weights::Power,
+        };
         let pilot = Pilot {
             lights: self.view.scene.lights(),
-            adaptation: self.settings.adaptation,
+            adaptation: Adaptation { weights, ..self.settings.adaptation },
             mutations,
             classes: classes.count(max_edges, view.scene.has_specular()),
             mutations_a_sample: mutations_a_sample(view, MUTATIONS_A_SAMPLE),
@@ -154,13 +161,14 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             },
         };
         let Adapted { strata, shares, tally } = pilot.run(self.settings.stratification);
-        (self.strata, self.shares, self.pilot) = (strata, shares, PilotCounts::of(&tally));
-        if self.settings.adaptation.weights == Weights::Power || self.settings.variant == Variant::MutationOnly {
+        (self.strata, self.pilot) = (strata, PilotCounts::of(&tally));
+        self.shares = shares.unwrap_or_else(|| {
             let strata = self.path_strata(&self.strata);
             let spread = |shares: &[Share]| self.estimator(&strata, shares, &self.mutations()).spread();
             let (shares, rays) = fitted_shares(view, Samples::OF_PATHS, &strata, mutations, spread);
-            (self.shares, self.pilot.rays) = (shares, self.pilot.rays + rays);
-        }
+            self.pilot.rays += rays;
+            shares
+        });
     }
 
     /// The strata of paths over parts of the lights.
@@ -188,7 +196,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
 
     /// A black film for this image.
     pub fn film(&self) -> Film<3> {
-        Film::new(self.view.camera.pixels(), self.view.scene.typical_radiance())
+        Film::new(self.view.camera.pixels(), film_unit(self.view))
     }
 
     /// Adds rounds to `film` and to `counts`, on the current rayon pool.
