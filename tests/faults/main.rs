@@ -3,5 +3,6 @@
 //! `data/` holds the scenes, a folder each; its README says what each is and where its value comes from.
 
 mod controls;
+mod geometry;
 mod paths;
 mod support;
