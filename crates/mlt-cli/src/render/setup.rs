@@ -5,7 +5,7 @@ use glam::DVec3;
 use mlt_core::transport::{
     camera::{Camera, CameraPose},
     description::SceneDescription,
-    scene::Scene,
+    scene::{Scene, SurfaceName},
 };
 
 use crate::{Failure, args::render::RenderOptions, require_memory, warn};
@@ -51,8 +51,26 @@ impl Setup {
         if scene.dropped() > 0 {
             warnings.push(format!("{} triangles have a corner that is not finite; they are left out", scene.dropped()));
         }
+        warnings.extend(overlaps(scene.overlaps()));
         Ok(Self { name, scene, camera, warnings })
     }
+}
+
+/// Overlaps that are named one by one.
+const NAMED: usize = 4;
+
+/// Warnings of surfaces that lie in one plane, a light among them.
+fn overlaps(pairs: &[[SurfaceName; 2]]) -> Vec<String> {
+    let name = |surface: &SurfaceName| format!("mesh \"{}\" (material \"{}\")", surface.mesh, surface.material);
+    let sentence = |[seen, hidden]: &[SurfaceName; 2]| {
+        let [seen, hidden] = [seen, hidden].map(name);
+        format!(
+            "{seen} and {hidden} overlap in one plane; there only the first is seen, by every method: move one of them"
+        )
+    };
+    let more = pairs.len().saturating_sub(NAMED);
+    let rest = (more > 0).then(|| format!("{more} more pairs of meshes overlap in one plane, a light among each"));
+    pairs.iter().take(NAMED).map(sentence).chain(rest).collect()
 }
 
 fn pose(options: &RenderOptions, scene: &SceneDescription) -> Result<CameraPose, Failure> {

@@ -55,16 +55,16 @@ impl Piece {
 /// How the unit square lies on the surface.
 #[derive(Clone, Debug)]
 pub(super) enum Shape {
-    /// (u, v) ↦ origin + u·edges[0] + v·edges[1].
-    Parallelogram { origin: Vec3, edges: [Vec3; 2], primitive: u32 },
+    /// (u, v) ↦ origin + u·edges[0] + v·edges[1]; on the first of two triangles where u + v ≤ 1.
+    Parallelogram { origin: Vec3, edges: [Vec3; 2], primitives: [u32; 2] },
     /// u runs through the triangles in proportion to their areas.
     Triangles { primitives: Vec<u32>, cumulative: Vec<f64>, vertices: Vec<[Vec3; 3]> },
 }
 
 impl Light {
-    pub(super) fn parallelogram(origin: Vec3, edges: [Vec3; 2], primitive: u32) -> Self {
+    pub(super) fn parallelogram(origin: Vec3, edges: [Vec3; 2], primitives: [u32; 2]) -> Self {
         let area = f64::from(edges[0].cross(edges[1]).length());
-        let shape = Shape::Parallelogram { origin, edges, primitive };
+        let shape = Shape::Parallelogram { origin, edges, primitives };
         Self { emission: Rgb::ZERO, both_sides: false, area, shape }
     }
 
@@ -125,8 +125,8 @@ impl Light {
     #[inline(always)]
     pub(super) fn at(&self, u: f64, v: f64) -> (u32, Vec3) {
         match &self.shape {
-            Shape::Parallelogram { origin, edges, primitive } => {
-                (*primitive, *origin + u as f32 * edges[0] + v as f32 * edges[1])
+            Shape::Parallelogram { origin, edges, primitives } => {
+                (primitives[usize::from(u + v > 1.0)], *origin + u as f32 * edges[0] + v as f32 * edges[1])
             }
             Shape::Triangles { primitives, cumulative, vertices } => {
                 let i = cumulative.partition_point(|&c| c <= u).min(primitives.len() - 1);

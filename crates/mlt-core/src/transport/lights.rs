@@ -68,11 +68,8 @@ impl Lights {
             };
             match parallelogram(primitives[first + a], primitives[first + b]) {
                 Some((origin, edges)) => {
-                    self.push(
-                        Light::parallelogram(origin, edges, (first + a) as u32),
-                        material,
-                        &[first + a, first + b],
-                    );
+                    let both = [first + a, first + b];
+                    self.push(Light::parallelogram(origin, edges, both.map(|p| p as u32)), material, &both);
                 }
                 None => rest.extend([a, b]),
             }

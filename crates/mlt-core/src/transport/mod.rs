@@ -26,6 +26,7 @@ pub mod mutate;
 pub mod next_event;
 pub mod path;
 pub mod primary;
+mod primitive;
 pub mod pt;
 pub mod ray;
 pub mod region;
@@ -40,6 +41,7 @@ mod surface;
 mod testing;
 #[cfg(test)]
 mod tests;
+mod ties;
 pub mod vertex;
 
 /// Linear Rec. 709 colour: radiance in W·sr⁻¹·m⁻², or a dimensionless reflectance.

@@ -18,6 +18,18 @@ impl Ray {
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_max: f32::INFINITY }
     }
+
+    /// Where it meets the plane of a triangle, in f64: not finite if it is parallel to it.
+    pub fn plane_parameter(&self, corners: [Vec3; 3]) -> f64 {
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let normal = (b - a).cross(c - a);
+        (a - self.origin.as_dvec3()).dot(normal) / self.direction.as_dvec3().dot(normal)
+    }
+
+    /// origin + t·direction, rounded once.
+    pub fn at(&self, t: f64) -> Vec3 {
+        (self.origin.as_dvec3() + t * self.direction.as_dvec3()).as_vec3()
+    }
 }
 
 /// The nearest point of a triangle mesh on a ray.

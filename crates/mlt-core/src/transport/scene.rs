@@ -3,15 +3,17 @@
 mod veil;
 
 use super::Rgb;
-use super::accel::Accel;
+use super::accel::{Accel, coarse_size};
 use super::camera::{Camera, CameraPose};
 use super::description::SceneDescription;
 use super::light::{Light, LightPoint};
 use super::lights::Lights;
 use super::material::Material;
 use super::mesh::Mesh;
+use super::primitive::{FLAT, Primitive, primitives};
 use super::ray::{Hit, Ray};
 use super::space::Space;
+use super::ties::{Surfaces, Ties};
 use super::vertex::{ERROR_FACTOR, Vertex};
 use glam::{Vec3, Vec3A};
 use std::cell::Cell;
@@ -41,26 +43,6 @@ pub enum SceneError {
     TooLarge(usize),
 }
 
-/// A triangle with all that a hit needs.
-#[repr(align(64))]
-#[derive(Clone, Copy, Debug)]
-struct Primitive {
-    vertices: [Vec3; 3],
-    normal: Vec3,
-    material: u32,
-    /// Index into `Scene::normals`; `FLAT`: the triangle's own.
-    normals: u32,
-    /// Bound on the error of a point interpolated from the vertices.
-    error: f32,
-    /// As of [`Vertex`].
-    delta: bool,
-    emits: bool,
-}
-
-const _: () = assert!(size_of::<Primitive>() == 64);
-
-const FLAT: u32 = u32::MAX;
-
 /// Triangles, materials and lights, in coordinates of the renderer's own.
 pub struct Scene {
     accel: Accel,
@@ -69,9 +51,20 @@ pub struct Scene {
     materials: Vec<Material>,
     lights: Lights,
     space: Space,
+    ties: Ties,
+    overlaps: Vec<[SurfaceName; 2]>,
     dropped: usize,
     /// Whether any surface is not opaque.
     is_veiled: bool,
+}
+
+/// What a scene's file calls a surface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SurfaceName {
+    /// Name of the mesh.
+    pub mesh: String,
+    /// Name of its material.
+    pub material: String,
 }
 
 thread_local! {
@@ -94,26 +87,28 @@ impl Scene {
     pub fn new(mut description: SceneDescription) -> Result<Self, SceneError> {
         check(&description)?;
         let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
-        let SceneDescription { mut meshes, materials, .. } = description;
-        let opacity = |mesh: &Mesh| materials[mesh.material as usize].opacity;
-        meshes.retain(|mesh| opacity(mesh) > 0.0);
-        let is_veiled = meshes.iter().any(|mesh| opacity(mesh) < 1.0);
+        drop_invisible(&mut description);
+        let SceneDescription { meshes, materials, .. } = &description;
+        let is_veiled = meshes.iter().any(|mesh| materials[mesh.material as usize].opacity < 1.0);
         let space =
             Space::around(meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
-        let (mut primitives, mut normals) = (Vec::new(), Vec::new());
-        for mesh in &meshes {
-            append(mesh, &materials[mesh.material as usize], &space, &mut primitives, &mut normals);
-        }
+        let (mut primitives, normals) = primitives(&description, &space);
         let triangles: Vec<_> = primitives.iter().map(|p: &Primitive| p.vertices).collect();
         if triangles.is_empty() {
             return Err(SceneError::NoTriangle);
         }
-        let lights = Lights::new(&meshes, &materials, &triangles);
+        let lights = Lights::new(meshes, materials, &triangles);
         if lights.lights.is_empty() {
             return Err(SceneError::NoLight);
         }
+        let coarse_size = coarse_size(&triangles);
+        primitives.iter_mut().for_each(|p| p.set_error(coarse_size));
+        let mesh_of: Vec<_> = (0..).zip(meshes).flat_map(|(i, m)| std::iter::repeat_n(i, m.triangles.len())).collect();
+        let ties = Ties::resolve(&mut primitives, materials, &mesh_of);
+        let overlaps = ties.overlaps().map(|pair| pair.map(|mesh| description.surface_name(mesh))).collect();
         let accel = Accel::new(&triangles);
-        Ok(Self { accel, primitives, normals, materials, lights, space, dropped, is_veiled })
+        let materials = description.materials;
+        Ok(Self { accel, primitives, normals, materials, lights, space, ties, overlaps, dropped, is_veiled })
     }
 
     /// A camera in this scene, for images of `size` pixels.
@@ -147,6 +142,11 @@ impl Scene {
         self.dropped
     }
 
+    /// Pairs of surfaces that lie in one plane and overlap, a light one of them; where they do, only the first is there.
+    pub fn overlaps(&self) -> &[[SurfaceName; 2]] {
+        &self.overlaps
+    }
+
     /// The first surface along a direction, of any length, from a vertex.
     #[inline(always)]
     pub fn trace(&self, from: &Vertex, direction: Vec3A) -> Option<Vertex> {
@@ -157,8 +157,9 @@ impl Scene {
     #[inline(always)]
     pub(super) fn trace_ray(&self, origin: Vec3A, direction: Vec3A) -> Option<Vertex> {
         RAYS.set(RAYS.get() + 1);
-        let hit = self.accel.closest(&Ray::new(origin.into(), direction.into()))?;
-        Some(self.vertex(&hit))
+        let ray = Ray::new(origin.into(), direction.into());
+        let hit = self.accel.closest(&ray)?;
+        Some(self.vertex(&hit, &ray))
     }
 
     /// Whether nothing stands between two vertices.
@@ -185,7 +186,13 @@ impl Scene {
     pub(super) fn light_point(&self, point: &LightPoint) -> (&Light, Vertex) {
         let light = &self.lights.lights[point.light as usize];
         let (primitive, position) = light.at(point.u, point.v);
-        (light, self.vertex_at(primitive, position.into(), None))
+        let vertex = self.vertex_at(primitive, position.into(), None);
+        let p = &self.primitives[primitive as usize];
+        if p.coarse {
+            // It is interpolated in f32, not found in f64.
+            return (light, Vertex { error: vertex.error.max(ERROR_FACTOR * p.reach()), ..vertex });
+        }
+        (light, vertex)
     }
 
     /// The material of a vertex on a surface.
@@ -200,11 +207,12 @@ impl Scene {
         self.material(vertex).emits_both_sides
     }
 
-    /// Radiance that a vertex emits into a direction.
+    /// Radiance that a vertex emits into a direction; none where another surface is seen in its place.
     #[inline(always)]
     pub fn emitted(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
         let material = self.material(vertex);
-        if material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0 {
+        let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
+        if lit && !(vertex.shared && self.seen(vertex.primitive, vertex.position, direction) != vertex.primitive) {
             material.emission
         } else {
             Rgb::ZERO
@@ -212,7 +220,36 @@ impl Scene {
     }
 
     #[inline(always)]
-    fn vertex(&self, hit: &Hit) -> Vertex {
+    fn vertex(&self, hit: &Hit, ray: &Ray) -> Vertex {
+        let p = &self.primitives[hit.primitive as usize];
+        if p.coarse | p.shared { self.vertex_apart(hit, ray) } else { self.interpolated(hit) }
+    }
+
+    /// The vertex of a hit on a triangle that is coarse or shares its place.
+    #[cold]
+    fn vertex_apart(&self, hit: &Hit, ray: &Ray) -> Vertex {
+        let position = Vec3A::from(ray.at(ray.plane_parameter(self.primitives[hit.primitive as usize].vertices)));
+        let primitive = self.seen(hit.primitive, position, Vec3A::from(-ray.direction));
+        let p = &self.primitives[primitive as usize];
+        let [u, v] =
+            if primitive == hit.primitive { Some([hit.u, hit.v]) } else { p.weights(position) }.unwrap_or_default();
+        let vertex = self.interpolated(&Hit { primitive, u, v, ..*hit });
+        if !p.coarse {
+            return vertex;
+        }
+        let error = vertex.error.max(ERROR_FACTOR * position.abs().max_element());
+        Vertex { position: ray.at(ray.plane_parameter(p.vertices)).into(), error, ..vertex }
+    }
+
+    /// Which of the triangles at a point of one is seen from a direction.
+    #[cold]
+    fn seen(&self, primitive: u32, position: Vec3A, towards: Vec3A) -> u32 {
+        let surfaces = Surfaces { primitives: &self.primitives, materials: &self.materials };
+        self.ties.winner(surfaces, primitive, position, towards)
+    }
+
+    #[inline(always)]
+    fn interpolated(&self, hit: &Hit) -> Vertex {
         let p = &self.primitives[hit.primitive as usize];
         let mix = |corners: [Vec3; 3]| {
             let [a, b, c] = corners.map(Vec3A::from);
@@ -239,6 +276,7 @@ impl Scene {
             error: p.error,
             delta: p.delta,
             emits: p.emits,
+            shared: p.shared,
         }
     }
 }
@@ -260,40 +298,16 @@ fn check(description: &SceneDescription) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// Drops meshes of opacity 0: no surface is there.
+fn drop_invisible(description: &mut SceneDescription) {
+    let SceneDescription { meshes, materials, .. } = description;
+    meshes.retain(|mesh| materials[mesh.material as usize].opacity > 0.0);
+}
+
 /// Drops triangles with a corner that is not finite; returns how many.
 fn drop_unusable(mesh: &mut Mesh) -> usize {
     let before = mesh.triangles.len();
     let Mesh { positions, triangles, .. } = mesh;
     triangles.retain(|t| t.iter().all(|&i| positions[i as usize].is_finite()));
     before - triangles.len()
-}
-
-fn append(
-    mesh: &Mesh,
-    material: &Material,
-    space: &Space,
-    primitives: &mut Vec<Primitive>,
-    normals: &mut Vec<[Vec3; 3]>,
-) {
-    let smooth = mesh.normals.len() == mesh.positions.len();
-    for triangle in &mesh.triangles {
-        let vertices = triangle.map(|i| space.point(mesh.positions[i as usize]));
-        let [a, b, c] = vertices.map(Vec3::as_dvec3);
-        let normal = (b - a).cross(c - a).normalize_or(glam::DVec3::Z).as_vec3();
-        let corner_normals = if smooth { triangle.map(|i| mesh.normals[i as usize]) } else { [normal; 3] };
-        let flat = corner_normals.iter().all(|n| n.distance(normal) < 1e-6);
-        let largest = vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max);
-        primitives.push(Primitive {
-            vertices,
-            normal,
-            material: mesh.material,
-            normals: if flat { FLAT } else { normals.len() as u32 },
-            error: ERROR_FACTOR * largest,
-            delta: material.bsdf.is_delta(),
-            emits: material.emission.max_element() > 0.0,
-        });
-        if !flat {
-            normals.push(corner_normals);
-        }
-    }
 }

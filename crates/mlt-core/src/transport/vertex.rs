@@ -5,8 +5,8 @@ use glam::Vec3A;
 /// `Vertex::primitive` of the camera.
 pub const CAMERA: u32 = u32::MAX;
 
-/// Bound on the error of an interpolated position and of the intersection test near it, relative to the largest
-/// coordinate of the triangle: 16 units in the last place of f32.
+/// Bound on the error of a position and of the intersection test near it, relative to the largest coordinate of the triangle
+/// that it is interpolated on, or of the position itself where it is found in f64: 16 units in the last place of f32.
 pub(super) const ERROR_FACTOR: f32 = 16.0 * f32::EPSILON;
 
 /// A path's vertex: where it is and how the surface lies there.
@@ -28,6 +28,8 @@ pub struct Vertex {
     pub delta: bool,
     /// Whether it lies on a light.
     pub emits: bool,
+    /// Whether another surface may be seen in its place: see [`ties`](super::ties).
+    pub(super) shared: bool,
 }
 
 impl Vertex {
@@ -42,6 +44,7 @@ impl Vertex {
             error: ERROR_FACTOR * position.abs().max_element(),
             delta: false,
             emits: false,
+            shared: false,
         }
     }
 

@@ -1,10 +1,10 @@
-//! The binary tree, built by obvhs.
+//! The binary tree: clusters, whose nodes obvhs then moves to where they cost least.
 
 use super::Quality;
+use super::cluster::{Search, cluster};
 use glam::{Vec3, Vec3A};
-use obvhs::{Boundable, BvhBuildParams, aabb::Aabb, bvh2::builder::build_bvh2};
+use obvhs::{aabb::Aabb, bvh2::reinsertion::ReinsertionOptimizer};
 use rayon::prelude::*;
-use std::time::Duration;
 
 /// Largest usable coordinate: products of two differences still fit into an f32.
 pub const MAX_COORDINATE: f32 = 1e18;
@@ -79,26 +79,38 @@ fn hash(set: &[[u32; 3]; 3]) -> u64 {
     set.iter().flatten().fold(0, mix)
 }
 
-struct Bounded<'a>(&'a [Vec3; 3]);
+/// Half areas of leaves, in those of the root, beyond which no node is moved: so many boxes lie one in the other that each
+/// move would be compared with most others.
+const CROWDED: f32 = 1024.0;
 
-impl Boundable for Bounded<'_> {
-    fn aabb(&self) -> Aabb {
-        let [a, b, c] = self.0.map(Vec3A::from);
-        Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
-    }
+fn bounds(triangle: &[Vec3; 3]) -> Aabb {
+    let [a, b, c] = triangle.map(Vec3A::from);
+    Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
+}
+
+fn is_crowded(boxes: &[Aabb]) -> bool {
+    let (whole, areas) =
+        boxes.iter().fold((Aabb::empty(), 0.0), |(whole, areas), b| (whole.union(b), areas + b.half_area()));
+    areas > CROWDED * whole.half_area()
 }
 
 /// A binary tree over the triangles that `indices` names; empty if it names none.
+///
+/// Source of the moves: [MeisterBittner18a].
 pub fn build(triangles: &[[Vec3; 3]], indices: &[u32], quality: Quality) -> Vec<BinaryNode> {
-    let preset = match quality {
-        Quality::Fast => BvhBuildParams::fastest_build(),
-        Quality::Medium => BvhBuildParams::medium_build(),
-        Quality::High => BvhBuildParams::very_slow_build(),
+    let (reach, short_passes, moved) = match quality {
+        Quality::Fast => (1, 0, 0.0),
+        Quality::Medium => (14, 3, 0.05),
+        Quality::High => (14, 1, 1.0),
     };
-    // One triangle a leaf: the collapse decides how many share a leaf. Splitting triangles gains nothing measurable.
-    let params = BvhBuildParams { max_prims_per_leaf: 1, pre_split: false, ..preset };
-    let bounded: Vec<_> = indices.par_iter().map(|&i| Bounded(&triangles[i as usize])).collect();
-    let bvh = build_bvh2(&bounded, params, &mut Duration::default());
+    let boxes: Vec<_> = indices.par_iter().map(|&i| bounds(&triangles[i as usize])).collect();
+    let search = Search { reach, short_passes, precise: quality == Quality::High };
+    let (mut bvh, stalled) = cluster(&boxes, search);
+    if moved > 0.0 && !stalled && !is_crowded(&boxes) {
+        let mut optimizer = ReinsertionOptimizer::default();
+        optimizer.run(&mut bvh, moved, None);
+        optimizer.run(&mut bvh, if quality == Quality::Medium { 2.0 * moved } else { moved }, None);
+    }
     let original = |slot: u32| indices[bvh.primitive_indices[slot as usize] as usize];
     bvh.nodes
         .par_iter()

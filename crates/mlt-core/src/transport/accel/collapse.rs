@@ -13,6 +13,7 @@
 //! Source: [YlitieKarrasLaine17], section 2.1, with blocks of triangles for leaves.
 
 use super::binary::{BinaryNode, Content};
+use super::coarse::size;
 use super::wide::{Child, Node, TriangleBlock, WIDTH, WideTree};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -37,10 +38,12 @@ enum Choice {
 }
 
 /// Folds the binary tree `binary` over `triangles`.
-pub fn collapse(binary: &[BinaryNode], triangles: &[[Vec3; 3]]) -> WideTree {
+pub fn collapse(binary: &[BinaryNode], triangles: &[[Vec3; 3]], coarse_size: f32) -> WideTree {
     let Some(root) = binary.first() else { return WideTree::empty() };
     let plan = Plan::new(binary);
-    let folding = Folding { binary, plan: &plan, nodes: vec![Node::EMPTY], slots: Vec::new(), below: Vec::new() };
+    let is_coarse = |index: u32| size(&triangles[index as usize]) > coarse_size;
+    let folding =
+        Folding { binary, plan: &plan, is_coarse, nodes: vec![Node::EMPTY], slots: Vec::new(), below: Vec::new() };
     let (nodes, slots, depth) = folding.fold();
     let blocks = slots.par_chunks(WIDTH).map(|primitives| TriangleBlock::new(primitives, triangles)).collect();
     WideTree::new(nodes, blocks, depth, root.min.abs().max(root.max.abs()).max_element())
@@ -168,9 +171,10 @@ fn best_share(m: usize, left: &Costs, right: &Costs) -> (f32, u8) {
 }
 
 /// A wide tree in the making.
-struct Folding<'a> {
+struct Folding<'a, F> {
     binary: &'a [BinaryNode],
     plan: &'a Plan<'a>,
+    is_coarse: F,
     nodes: Vec<Node>,
     /// Triangles of the blocks, eight each; `u32::MAX`: none.
     slots: Vec<u32>,
@@ -178,7 +182,7 @@ struct Folding<'a> {
     below: Vec<usize>,
 }
 
-impl Folding<'_> {
+impl<F: Fn(u32) -> bool> Folding<'_, F> {
     /// Fills the tree from the root down, depth first; returns its nodes, the triangles of its blocks, and its depth.
     fn fold(mut self) -> (Vec<Node>, Vec<u32>, usize) {
         // (wide node to fill, binary node that it stands for, depth)
@@ -230,8 +234,9 @@ impl Folding<'_> {
                 Content::Children(first) => self.below.extend([first as usize, first as usize + 1]),
             }
         }
+        let coarse = self.slots[first..].iter().any(|&index| (self.is_coarse)(index));
         self.slots[first..].sort_unstable();
         self.slots.resize(self.slots.len().next_multiple_of(WIDTH), u32::MAX);
-        Child::leaf(first / WIDTH, (self.slots.len() - first) / WIDTH)
+        Child::leaf(first / WIDTH, (self.slots.len() - first) / WIDTH, coarse)
     }
 }

@@ -2,10 +2,10 @@
 //!
 //! Three steps, one file each:
 //!
-//! * `binary`: a library builds a binary tree over the triangles, one to a leaf (the only file that names it);
+//! * `binary`: a binary tree over the triangles, one to a leaf, is built from clusters (`cluster`) and improved by a library;
 //! * `collapse`: dynamic programming folds it into the cheapest 8-wide tree (`wide` is its layout);
 //! * `traverse`: a ray walks that tree, eight boxes or eight triangles at a time (`simd` is the arithmetic,
-//!   `watertight` the triangle test and the accurate hit).
+//!   `watertight` the triangle test and the accurate hit, `coarse` the same for triangles of a very different size).
 //!
 //! What callers may rely on:
 //!
@@ -15,6 +15,8 @@
 //! * of two triangles at exactly the same t, the one with the smaller index wins.
 
 mod binary;
+mod cluster;
+mod coarse;
 mod collapse;
 mod simd;
 mod traverse;
@@ -23,6 +25,8 @@ mod wide;
 
 #[cfg(test)]
 mod tests;
+
+pub use coarse::{coarse_size, size};
 
 use super::ray::{Hit, Ray};
 use crate::instructions::InstructionSet;
@@ -56,12 +60,14 @@ impl Accel {
     /// Builds over `triangles`; empty input is a structure that nothing hits.
     ///
     /// Triangles with a NaN, an infinity or a coordinate beyond ±10¹⁸ are left out. Of triangles with the same three
-    /// vertices, in any order, only the first can be hit. Takes n log n time, but n² where n boxes are nested one in the
-    /// other.
+    /// vertices, in any order, only the first can be hit. Takes n log n time.
     pub fn with_quality(triangles: &[[Vec3; 3]], quality: Quality) -> Self {
         let indices = binary::usable(triangles);
         let nodes = binary::build(triangles, &indices, quality);
-        Self { tree: collapse::collapse(&nodes, triangles), instructions: InstructionSet::detect() }
+        Self {
+            tree: collapse::collapse(&nodes, triangles, coarse_size(triangles)),
+            instructions: InstructionSet::detect(),
+        }
     }
 
     /// The nearest hit with 0 < t ≤ t_max.

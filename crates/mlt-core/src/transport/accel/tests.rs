@@ -273,3 +273,82 @@ fn the_tree_does_not_depend_on_the_number_of_threads() {
     let one = layout(1);
     assert!([2, 3, 8].iter().all(|&threads| layout(threads) == one));
 }
+
+/// `count` wedges of a disc, which all meet in its centre.
+fn fan(count: usize) -> Vec<Triangle> {
+    let rim = |i: usize| {
+        let (sin, cos) = (TAU * (i % count) as f32 / count as f32).sin_cos();
+        Vec3::new(cos, sin, 0.0)
+    };
+    (0..count).map(|i| [Vec3::ZERO, rim(i), rim(i + 1)]).collect()
+}
+
+/// `count` copies of a shape around one point, each a little larger than the last.
+fn nest(shape: &[Triangle], count: usize) -> Vec<Triangle> {
+    let grown = |i: usize| shape.iter().map(move |t| t.map(|v| (1.0 + 1e-6 * i as f32) * v));
+    (0..count).flat_map(grown).collect()
+}
+
+/// Levels stay few where boxes lie one in the other; one pair a pass would make a tree of thousands of levels, in quadratic time.
+#[test]
+fn nearly_coincident_triangles_make_a_shallow_tree() {
+    let count = if cfg!(debug_assertions) { 5_000 } else { 50_000 };
+    let mut rng = Pcg32::seed_from_u64(10);
+    let [a, b, c] = [Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.1), Vec3::new(0.0, 1.0, 0.2)];
+    let jittered = (0..count).map(|_| [a, b, c].map(|v| v + 1e-6 * in_cube(&mut rng))).collect();
+    let mixed = [soup(count, 0.1, &mut rng), fan(count)].concat();
+    let shapes = [
+        ("fan", fan(count)),
+        ("nest", nest(&[[a, b, c]], count)),
+        ("nest of quads", nest(&[[a, b, c], [c, b, Vec3::new(2.0, 1.0, 0.3)]], count / 2)),
+        ("nest of spheres", nest(&sphere(4), count / 64)),
+        ("jittered", jittered),
+        ("fan in a soup", mixed),
+    ];
+    for (name, triangles) in shapes {
+        for quality in [Quality::Fast, Quality::Medium] {
+            let depth = Accel::with_quality(&triangles, quality).tree.depth;
+            assert!(depth < 100, "{name}, {quality:?}: {depth} levels");
+        }
+    }
+}
+
+/// Half-width of the plain, of which small triangles next to it make its triangles coarse.
+const PLAIN: f32 = 1e6;
+
+/// Two triangles that meet in the origin, in a plane that is not axis-parallel, and a small one below them if asked for.
+fn plain(with_detail: bool) -> Vec<Triangle> {
+    let at = |x: f32, z: f32| PLAIN * Vec3::new(x, 0.25 * x - 0.125 * z, z);
+    let [a, b, c, d] = [at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
+    let detail = [Vec3::NEG_Y, Vec3::new(0.1, -1.0, 0.0), Vec3::new(0.0, -1.0, 0.1)];
+    [vec![[a, b, c], [a, c, d]], if with_detail { vec![detail] } else { Vec::new() }].concat()
+}
+
+/// Share of rays, some towards and some away from the plain from a little above it, that get the wrong answer.
+fn wrong_share(accel: &Accel) -> f64 {
+    let mut rng = Pcg32::seed_from_u64(11);
+    let up = Vec3::new(-0.25, 1.0, 0.125).normalize();
+    let rays = 20_000;
+    let wrong = (0..rays).filter(|_| {
+        let [x, z] = [0; 2].map(|_| 4.0 * uniform(&mut rng) - 2.0);
+        let origin = Vec3::new(x, 0.25 * x - 0.125 * z, z) + (1e-4 + 0.1 * uniform(&mut rng)) * up;
+        let ray = Ray::new(origin, in_cube(&mut rng).normalize());
+        let normal = glam::DVec3::new(-0.25, 1.0, 0.125);
+        let falls = ray.direction.as_dvec3().dot(normal);
+        let t = -origin.as_dvec3().dot(normal) / falls;
+        match accel.closest(&ray) {
+            // A ray that all but follows the plain is not judged.
+            _ if falls.abs() < 1e-2 => false,
+            Some(hit) => falls > 0.0 || (f64::from(hit.t) - t).abs() > 1e-5 * t || !accel.occluded(&ray),
+            None => falls < 0.0 || accel.occluded(&ray),
+        }
+    });
+    wrong.count() as f64 / f64::from(rays)
+}
+
+/// Control: without detail to compare them with, the same triangles are not coarse, and f32 is not enough.
+#[test]
+fn t_is_right_near_the_middle_of_a_triangle_of_any_size() {
+    assert_eq!(wrong_share(&Accel::new(&plain(true))), 0.0);
+    assert!(wrong_share(&Accel::new(&plain(false))) > 0.1);
+}

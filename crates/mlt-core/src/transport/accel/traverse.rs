@@ -163,7 +163,10 @@ fn nearest_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> 
         if child.is_leaf() {
             for index in child.blocks() {
                 let block = &tree.blocks[index];
-                if let Some(test) = shear.test(simd, block, nearest.t) {
+                if let Some(mut test) = shear.test(simd, block, range(child, nearest.t)) {
+                    if child.is_coarse() {
+                        test.refine(simd, block, &(*ray).into(), nearest.t);
+                    }
                     nearest.update(simd, &test, &block.primitives, index);
                 }
             }
@@ -174,6 +177,12 @@ fn nearest_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> 
             level = Level::enter(simd, &boxes, &tree.nodes[child.node()], nearest.t);
         }
     }
+}
+
+/// The t, in f32, of what may be hit with 0 < t ≤ t_max: of a coarse triangle it says nothing.
+#[inline(always)]
+fn range(child: Child, t_max: f32) -> [f32; 2] {
+    if child.is_coarse() { [f32::NEG_INFINITY, f32::INFINITY] } else { [0.0, t_max] }
 }
 
 impl WideTree {
@@ -207,7 +216,11 @@ fn any_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
         let child = node.children[lane];
         if child.is_leaf() {
             for block in &tree.blocks[child.blocks()] {
-                if shear.test(simd, block, ray.t_max).is_some() {
+                let Some(mut test) = shear.test(simd, block, range(child, ray.t_max)) else { continue };
+                if child.is_coarse() {
+                    test.refine(simd, block, &(*ray).into(), ray.t_max);
+                }
+                if test.hits != 0 {
                     return true;
                 }
             }

@@ -7,6 +7,7 @@
 //! zero counts as inside for both triangles, which replaces the paper's second test in double precision.
 
 use super::super::ray::{Hit, Ray};
+use super::coarse;
 use super::simd::{Lanes, Simd, splat3};
 use super::wide::TriangleBlock;
 use glam::{DVec2, Vec3A};
@@ -77,9 +78,9 @@ impl<S: Simd> Shear<S> {
         }
     }
 
-    /// Which triangles are hit with 0 < t ≤ t_max.
+    /// Which triangles are hit with t_min < t ≤ t_max.
     #[inline(always)]
-    pub fn test(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<Test<S>> {
+    pub fn test(&self, simd: S, block: &TriangleBlock, [t_min, t_max]: [f32; 2]) -> Option<Test<S>> {
         let zero = simd.splat(0.0);
         let [ax, ay, az] = self.vertex(simd, block, 0);
         let [bx, by, bz] = self.vertex(simd, block, 1);
@@ -94,7 +95,7 @@ impl<S: Simd> Shear<S> {
         let scale = simd.div(simd.splat(1.0), simd.add(simd.add(u, v), w));
         let depth = simd.mul_add(u, az, simd.mul_add(v, bz, simd.mul(w, cz)));
         let t = simd.mul(depth, scale);
-        let in_range = simd.and(simd.lt(zero, t), simd.le(t, simd.splat(t_max)));
+        let in_range = simd.and(simd.lt(simd.splat(t_min), t), simd.le(t, simd.splat(t_max)));
         let hits = simd.bits(simd.and(inside, in_range));
         let square = |x, y| simd.mul_add(x, x, simd.mul(y, y));
         let extent = simd.max(simd.max(square(ax, ay), square(bx, by)), square(cx, cy));
@@ -107,6 +108,16 @@ impl<S: Simd> Shear<S> {
         let moved = |i: usize| simd.sub(simd.load(&block.vertices[vertex][self.axes[i]]), self.origin[i]);
         let z = moved(2);
         [simd.neg_mul_add(self.x, z, moved(0)), simd.neg_mul_add(self.y, z, moved(1)), simd.mul(self.z, z)]
+    }
+}
+
+impl<S: Simd> Test<S> {
+    /// Leaves the hits with 0 < t ≤ t_max, and sets their t, in f64.
+    #[inline(always)]
+    pub fn refine(&mut self, simd: S, block: &TriangleBlock, ray: &Ray, t_max: f32) {
+        let mut t = simd.store(self.t);
+        self.hits = coarse::in_range(block, ray, self.hits, &mut t.0, t_max);
+        self.t = simd.load(&t);
     }
 }
 

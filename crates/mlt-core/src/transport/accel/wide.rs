@@ -35,27 +35,36 @@ impl Node {
     }
 }
 
-/// An inner node (its index), or a leaf: the top bit, the index of its first block × 8, its number of blocks − 1.
+/// An inner node (its index), or a leaf: the top bit, the index of its first block × 8, whether it is coarse × 4, its number of
+/// blocks − 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Child(pub u32);
 
 impl Child {
     const LEAF: u32 = 1 << 31;
+    const COARSE: u32 = 1 << 2;
 
     /// Refers to `nodes[index]`.
     pub fn inner(index: usize) -> Self {
         Self(index as u32)
     }
 
-    /// Refers to `count` ≤ 8 blocks from `blocks[first]` on.
-    pub fn leaf(first: usize, count: usize) -> Self {
-        Self(Self::LEAF | (first as u32) << 3 | (count as u32 - 1))
+    /// Refers to `count` ≤ 4 blocks from `blocks[first]` on; `coarse`: one of their triangles is.
+    pub fn leaf(first: usize, count: usize, coarse: bool) -> Self {
+        let coarse = if coarse { Self::COARSE } else { 0 };
+        Self(Self::LEAF | (first as u32) << 3 | coarse | (count as u32 - 1))
     }
 
     /// Whether it refers to blocks.
     #[inline(always)]
     pub fn is_leaf(self) -> bool {
         self.0 & Self::LEAF != 0
+    }
+
+    /// Whether one of a leaf's triangles is coarse.
+    #[inline(always)]
+    pub fn is_coarse(self) -> bool {
+        self.0 & Self::COARSE != 0
     }
 
     /// Index of the node.
@@ -73,7 +82,7 @@ impl Child {
     /// Indices of the leaf's blocks.
     #[inline(always)]
     pub fn blocks(self) -> std::ops::Range<usize> {
-        self.first_block()..self.first_block() + (self.0 & 7) as usize + 1
+        self.first_block()..self.first_block() + (self.0 & 3) as usize + 1
     }
 }
 

@@ -86,6 +86,15 @@ impl Bsdf {
         matches!(self, Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_))
     }
 
+    /// Whether light passes through it.
+    pub fn is_transmissive(&self) -> bool {
+        match self {
+            Self::Dielectric(_) | Self::Thin(_) | Self::RoughDielectric(_) | Self::RoughThin(_) => true,
+            Self::Mix(mix) => mix.a.is_transmissive() || mix.b.is_transmissive(),
+            _ => false,
+        }
+    }
+
     /// f_s(to_light → to_eye), sr⁻¹; a delta BSDF: the coefficient of δ.
     #[inline]
     pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {

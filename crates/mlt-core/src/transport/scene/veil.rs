@@ -64,10 +64,11 @@ impl Scene {
         loop {
             RAYS.set(RAYS.get() + 1);
             let step = to - from;
-            let Some(hit) = self.accel.closest(&Ray { origin: from.into(), direction: step.into(), t_max: 1.0 }) else {
+            let ray = Ray { origin: from.into(), direction: step.into(), t_max: 1.0 };
+            let Some(hit) = self.accel.closest(&ray) else {
                 return passed;
             };
-            let veil = self.vertex(&hit);
+            let veil = self.vertex(&hit, &ray);
             passed *= 1.0 - self.opacity(&veil);
             if passed <= 0.0 {
                 return 0.0;

@@ -105,8 +105,8 @@ fn parts_have_equal_area() {
 /// A uniform point of a light, by rejection over its triangles' bounding parallelograms.
 fn surface_point(scene: &Scene, light: usize, area: f64, rng: &mut crate::engine::Generator) -> (u32, glam::Vec3) {
     let triangles: Vec<(u32, [glam::Vec3; 3])> = match &scene.lights().lights[light].shape {
-        &Shape::Parallelogram { origin, edges: [e, f], primitive } => {
-            vec![(primitive, [origin, origin + e, origin + f]), (primitive, [origin + e + f, origin + f, origin + e])]
+        &Shape::Parallelogram { origin, edges: [e, f], primitives: [first, second] } => {
+            vec![(first, [origin, origin + e, origin + f]), (second, [origin + e + f, origin + f, origin + e])]
         }
         Shape::Triangles { primitives, vertices, .. } => {
             primitives.iter().copied().zip(vertices.iter().copied()).collect()

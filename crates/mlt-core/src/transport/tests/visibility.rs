@@ -59,3 +59,41 @@ fn a_camera_on_a_surface_sees_past_it() {
         }
     }
 }
+
+/// Half-widths of a ground under things of size 1.
+const GROUNDS: [f64; 4] = [10.0, 1e4, 1e6, 1e8];
+
+/// A wall of height 1 at x = 0 on a ground; the view is of the foot of the wall.
+fn wall_on_ground(half: f64) -> World {
+    let v = DVec3::new;
+    Builder::default()
+        .surface(square(0.0, half, true), lambert(Rgb::ONE))
+        .surface(quad([v(0., 0., -1.), v(0., 0., 1.), v(0., 1., 1.), v(0., 1., -1.)]), lambert(Rgb::ONE))
+        .light(square(3.0, 0.5, false), Rgb::ONE, false)
+        .seen(v(0.1, 0.5, 0.0), v(0.05, 0.0, 0.0), 20.0, [8, 8])
+}
+
+/// Points of the ground lie on it, and do not see past the foot of a wall, however large the ground is.
+#[test]
+fn a_wall_stands_on_a_ground_of_any_size() {
+    let mut rng = generator(2, Purpose::Image, 0, 0, 0);
+    for half in GROUNDS {
+        let world = wall_on_ground(half);
+        let mut met = 0;
+        for _ in 0..500 {
+            let image = Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng));
+            let Some(near) = world.scene.trace(&world.camera.vertex(), world.camera.direction(image)) else { continue };
+            let aside = glam::Vec3A::new(-1.0, 0.01, 0.0).normalize();
+            if near.primitive > 1 {
+                continue;
+            }
+            met += 1;
+            assert!(near.position.y.abs() < 1e-15, "{half}: {near:?}");
+            let hit = world.scene.trace(&near, aside).expect("the wall");
+            assert!(hit.primitive == 2 || hit.primitive == 3, "{half}: {hit:?}");
+            let lamp = world.scene.trace(&near, glam::Vec3A::Y).expect("the lamp");
+            assert!(lamp.emits && world.scene.visible(&near, &lamp), "{half}: {near:?}");
+        }
+        assert!(met > 300, "{half}: {met}");
+    }
+}
