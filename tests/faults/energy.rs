@@ -18,7 +18,7 @@ fn a_room_of_white_plastic_is_finite_and_the_same_by_all_methods() {
         [("pt", "--samples-per-pixel 1024"), ("bdpt", "--samples-per-pixel 128"), ("mlt", "--mutations-per-pixel 1024")]
     {
         let room = render("plastic-room-1.0/scene.gltf", &format!("--size 16x16 {budget} --method {method}"));
-        room.expect_b(0.707, 0.01);
+        room.expect_b(0.70, 0.01);
         // Where white plastic makes light, path tracing says 43 ± 26.
         assert!(room.b().1 < 0.1, "{method}: {:?}", room.b());
     }
