@@ -3,9 +3,9 @@
 //! `data/` holds the scenes, a folder each; its README says what each is and where its value comes from.
 
 mod controls;
+mod energy;
+mod errors;
 mod obj;
 mod opacity;
-mod errors;
 mod paths;
-mod energy;
 mod support;
