@@ -5,6 +5,8 @@
 mod controls;
 mod errors;
 mod geometry;
+mod energy;
+mod errors;
 mod obj;
 mod opacity;
 mod paths;

@@ -1,36 +1,122 @@
-//! Rough metal.
+//! Rough metal, and the coat of a glossy surface.
 
 use super::super::Rgb;
-use super::fresnel::schlick;
-use super::microfacet::Ggx;
+use super::Evaluation;
+use super::albedo::{Albedo, Lacking};
+use super::fresnel::{schlick, schlick_average};
+use super::microfacet::{GRAZING, Ggx};
+use super::spread::Spread;
 use glam::Vec3A;
+use std::f32::consts::FRAC_1_PI;
 
-/// f_s = F(h·l) D G₂/(4 cosθₗ cosθₑ) on either side, F by Schlick from F₀: glTF's metal.
+/// f_s = F(h·l) D G₂/(4 cosθₗ cosθₑ) + F_m m(θₗ) m(θₑ)/(π m̄) on either side, F by Schlick from F₀ and F₉₀.
+///
+/// The second term is what microfacets reflect more than once: of m ([`Albedo`]) it is the share F_m = F̄² Ē/(1 - F̄ m̄), with
+/// F̄ and Ē = 1 - m̄ means over the hemisphere. White (F = 1) absorbs nothing. Derivation: docs/theory-surfaces.md.
+///
+/// Source: Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
 #[derive(Clone, Debug)]
 pub struct Conductor {
     /// F₀ ∈ [0, 1], reflectance at normal incidence.
     pub f0: Rgb,
+    /// F₉₀ ∈ [0, 1], reflectance at grazing angles.
+    pub f90: f32,
     /// Microfacets.
     pub ggx: Ggx,
+    table: Albedo,
+    spread: Spread,
+    /// The greatest channel of F̄.
+    average: f32,
+    /// F_m.
+    multiple: Rgb,
+    /// 1/(π m̄), sr⁻¹.
+    scale: f32,
+}
+
+/// Both directions on one side.
+pub(super) struct Met {
+    /// f_s and densities.
+    pub evaluation: Evaluation,
+    /// What is lacking at the direction to the light and to the eye.
+    pub lacking: [Lacking; 2],
 }
 
 impl Conductor {
-    /// f_s where both directions are on one side.
-    #[inline]
-    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
-        let lobe = self.ggx.reflection(n, to_light, to_eye);
-        lobe.map_or(Rgb::ZERO, |(cos, value)| schlick(self.f0, 1.0, cos) * value)
+    /// Microfacets that reflect F₀ at normal incidence and F₉₀ at grazing angles.
+    pub fn new(f0: Rgb, f90: f32, ggx: Ggx) -> Self {
+        let table = Albedo::new(ggx);
+        let lacking = table.average().white;
+        let f = schlick_average(f0, f90);
+        Self {
+            f0,
+            f90,
+            ggx,
+            table,
+            spread: Spread::new(ggx),
+            average: f.max_element(),
+            multiple: f * f * (1.0 - lacking) / (Rgb::ONE - f * lacking),
+            scale: FRAC_1_PI / lacking,
+        }
     }
 
-    /// D_v(h)/(4 h·given).
+    /// ∫ f_s cosθ dω of a direction where this is lacking, or the mean over the hemisphere of the mean of that.
     #[inline]
-    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
-        self.ggx.reflection_pdf(n, given, sampled)
+    pub(super) fn albedo(&self, lacking: Lacking) -> Rgb {
+        let grazing = lacking.grazing;
+        self.f0 * (1.0 - lacking.white - grazing) + self.f90 * grazing + self.multiple * lacking.white
     }
 
-    /// Mirrors `given` about a visible normal.
+    /// [`Self::albedo`] at a direction of this cosine.
+    #[inline]
+    pub(super) fn albedo_at(&self, cos: f32) -> Rgb {
+        self.albedo(self.table.at(cos))
+    }
+
+    /// Mean over the hemisphere of [`Self::albedo_at`], weighted by cosθ.
+    pub(super) fn mean_albedo(&self) -> Rgb {
+        self.albedo(self.table.average())
+    }
+
+    /// What is reflected once and again, if F were F̄ everywhere, over F̄: sampled in this proportion.
+    #[inline]
+    fn shares(&self, white: f32) -> [f32; 2] {
+        [1.0 - white, self.average * white]
+    }
+
+    /// `None`: not on one side.
+    #[inline]
+    pub(super) fn meet(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Option<Met> {
+        let single = self.ggx.reflection(n, to_light, to_eye)?;
+        let cos = [n.dot(to_light).abs(), n.dot(to_eye).abs()];
+        let lacking = cos.map(|cos| self.table.at(cos));
+        let multiple = self.scale * lacking[0].white * lacking[1].white;
+        let pdf = |given: usize, sampled: usize| {
+            let [once, again] = self.shares(lacking[given].white);
+            (once * single.pdf[sampled] + again * self.spread.pdf(cos[sampled])) / (once + again)
+        };
+        let evaluation = Evaluation {
+            value: schlick(self.f0, self.f90, single.cos_half) * single.value + self.multiple * multiple,
+            pdf_to_eye: pdf(0, 1),
+            pdf_to_light: pdf(1, 0),
+        };
+        Some(Met { evaluation, lacking })
+    }
+
+    /// f_s, and (1 - p) D_v(h)/(4 h·given) + p q with p = F̄ m/(1 - m + F̄ m) and q of [`Spread`].
+    #[inline]
+    pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+        self.meet(n, to_light, to_eye).map_or(Evaluation::NOTHING, |met| met.evaluation)
+    }
+
+    /// Mirrors `given` about a visible normal, or draws from [`Spread`].
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
-        self.ggx.sample_reflection(n, given, [u[0], u[1]])
+        let cos = n.dot(given);
+        let [once, again] = self.shares(self.table.at(cos.abs()).white);
+        if cos.abs() > GRAZING && u[2] * (once + again) < again {
+            Some(self.spread.sample(n * 1f32.copysign(cos), [u[0], u[1]]))
+        } else {
+            self.ggx.sample_reflection(n, given, [u[0], u[1]])
+        }
     }
 }

@@ -35,6 +35,11 @@ pub fn schlick(f0: Rgb, f90: f32, cos: f32) -> Rgb {
     f0 + (Rgb::splat(f90) - f0) * (m2 * m2 * m)
 }
 
+/// F̄ = ∫₀¹ F 2μ dμ = F₀ + (F₉₀ - F₀)/21.
+pub fn schlick_average(f0: Rgb, f90: f32) -> Rgb {
+    f0 + (Rgb::splat(f90) - f0) / 21.0
+}
+
 /// `v` mirrored about the unit vector `h`: 2(v·h)h - v.
 #[inline]
 pub fn reflect(v: Vec3A, h: Vec3A) -> Vec3A {

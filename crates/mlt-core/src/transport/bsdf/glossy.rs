@@ -1,57 +1,71 @@
 //! Dielectric coat over a diffuse base.
 
 use super::super::Rgb;
-use super::fresnel::schlick;
-use super::{Conductor, Lambert};
+use super::{Conductor, Evaluation, Lambert, choose};
 use glam::{Vec2, Vec3A};
+use std::f32::consts::FRAC_1_PI;
 
-/// f_s = (1 - max F) ρ/π + F D G₂/(4 cosθₗ cosθₑ),  F = F₀ + (F₉₀ - F₀)(1 - h·l)⁵, on either side.
+/// f_s = f_coat + ρ t(θₗ) t(θₑ)/(π t̄), t = 1 - A(θ), on either side, A(θ) = ∫ f_coat cosθ dω and t̄ = ∫₀¹ t 2μ dμ, channel by channel.
 ///
-/// Source: glTF 2.0, appendix B.3, KHR_materials_specular. As there, base and coat together may reflect more than they get at
-/// grazing angles; averaged over the hemisphere they do not, for ρ up to 0.95.
+/// Reciprocal, and ∫ f_s cosθ dω = A + ρ t, which is 1 for ρ = 1 at every angle. Derivation: docs/theory-surfaces.md.
+///
+/// Source: Kelemen & Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling",
+/// Eurographics 2001. Left out: light that the coat sends back to the base takes the base's colour no more than once.
 #[derive(Clone, Debug)]
 pub struct Glossy {
     /// The base's ρ.
     pub base: Lambert,
-    /// F₀ and microfacets of the coat.
+    /// F₀, F₉₀ and microfacets of the coat.
     pub coat: Conductor,
-    /// F₉₀ ∈ [0, 1], the coat's reflectance at grazing angles.
-    pub f90: f32,
+    /// ρ/(π t̄), sr⁻¹.
+    scale: Rgb,
 }
 
 impl Glossy {
-    /// f_s where both directions are on one side.
-    #[inline]
-    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
-        let Some((cos_h, value)) = self.coat.ggx.reflection(n, to_light, to_eye) else { return Rgb::ZERO };
-        let f = schlick(self.coat.f0, self.f90, cos_h);
-        self.base.eval(n, to_light, to_eye) * (1.0 - f.max_element()) + f * value
+    /// A coat over a base.
+    pub fn new(base: Lambert, coat: Conductor) -> Self {
+        // Where the coat lets nothing through, t̄ is a rounding error.
+        let through = (Rgb::ONE - coat.mean_albedo()).max(Rgb::splat(1e-6));
+        let scale = base.reflectance * FRAC_1_PI / through;
+        Self { base, coat, scale }
     }
 
-    /// Probability of sampling the coat: about its share of the energy.
-    ///
-    /// The base's part, (1 - max F₀)ρ, must not vanish at grazing angles: there h·l, and so the base, is far from its limit.
+    /// t, from A.
     #[inline]
-    fn coat_probability(&self, n: Vec3A, given: Vec3A) -> f32 {
-        let coat = schlick(self.coat.f0, self.f90, n.dot(given).abs()).max_element();
-        let base = (1.0 - self.coat.f0.max_element()) * self.base.reflectance.max_element();
+    fn through(albedo: Rgb) -> Rgb {
+        (Rgb::ONE - albedo).max(Rgb::ZERO)
+    }
+
+    /// Probability of sampling the coat: its share of the energy.
+    #[inline]
+    fn coat_probability(&self, albedo: Rgb) -> f32 {
+        let base = (self.base.reflectance * Self::through(albedo)).max_element();
+        let coat = albedo.max_element();
         if base > 0.0 { coat / (coat + base) } else { 1.0 }
     }
 
-    /// The mixture of the coat's and the base's densities.
+    /// f_s, and the mixture of the coat's and the base's densities.
     #[inline]
-    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
-        let p = self.coat_probability(n, given);
-        p * self.coat.pdf(n, given, sampled) + (1.0 - p) * self.base.pdf(n, given, sampled)
+    pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+        let Some(met) = self.coat.meet(n, to_light, to_eye) else { return Evaluation::NOTHING };
+        let [light, eye] = met.lacking.map(|lacking| self.coat.albedo(lacking));
+        let base = self.base.evaluate(n, to_light, to_eye);
+        let pdf = |p: f32, coat: f32, base: f32| p * coat + (1.0 - p) * base;
+        let coat = met.evaluation;
+        Evaluation {
+            value: coat.value + self.scale * Self::through(light) * Self::through(eye),
+            pdf_to_eye: pdf(self.coat_probability(light), coat.pdf_to_eye, base.pdf_to_eye),
+            pdf_to_light: pdf(self.coat_probability(eye), coat.pdf_to_light, base.pdf_to_light),
+        }
     }
 
     /// Samples the coat or the base.
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
-        if u[2] < self.coat_probability(n, given) {
-            self.coat.sample(n, given, u)
-        } else {
-            Some(self.base.sample(n, given, Vec2::new(u[0], u[1])))
+        let p = self.coat_probability(self.coat.albedo_at(n.dot(given).abs()));
+        match choose(u[2], p) {
+            (true, rest) => self.coat.sample(n, given, [u[0], u[1], rest]),
+            (false, _) => Some(self.base.sample(n, given, Vec2::new(u[0], u[1]))),
         }
     }
 }

@@ -9,7 +9,8 @@
 //! * D_v(h) = G₁(v) (v·h) D(h)/cosθᵥ, the density of normals visible from v, sr⁻¹
 //!
 //! Sources: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007; Heitz, "Understanding the
-//! Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 2014. Left out: light that meets the surface more than once.
+//! Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 2014. Light that meets the surface more than once:
+//! [`super::albedo`].
 
 use super::super::math::frame;
 use super::fresnel::reflect;
@@ -24,6 +25,16 @@ pub const GRAZING: f32 = 1e-6;
 pub struct Ggx {
     /// α ∈ [10⁻⁶, 1], slope that half of the microfacets' area stays below; glTF's roughness².
     pub alpha: f32,
+}
+
+/// What microfacets whose normal halves the angle between two directions do.
+pub struct Reflection {
+    /// cos of the half angle, h·a = h·b ≤ 1.
+    pub cos_half: f32,
+    /// D(h) G₂/(4 cosθₐ cosθ_b), sr⁻¹: f_s where microfacets reflect everything.
+    pub value: f32,
+    /// D_v(h)/(4 h·v) for v = b and v = a: densities of drawing a from b, and b from a, sr⁻¹.
+    pub pdf: [f32; 2],
 }
 
 impl Ggx {
@@ -51,25 +62,32 @@ impl Ggx {
         2.0 / (cos + self.root(cos))
     }
 
-    /// cos of the half angle, h·a = h·b ≤ 1, and D(h) G₂/(4 cosθₐ cosθ_b), sr⁻¹; `None`: not on one side.
+    /// How microfacets mirror `a` into `b`; `None`: not on one side.
     #[inline]
-    pub fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<(f32, f32)> {
+    pub fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
         let (h, cos_half) = half(n, a, b)?;
         let (ca, cb) = (n.dot(a).abs(), n.dot(b).abs());
-        Some((cos_half, self.d(n, h) * 0.5 / (ca * self.root(cb) + cb * self.root(ca))))
+        let (ra, rb) = (self.root(ca), self.root(cb));
+        let half_d = 0.5 * self.d(n, h);
+        Some(Reflection {
+            cos_half,
+            value: half_d / (ca * rb + cb * ra),
+            pdf: [half_d / (cb + rb), half_d / (ca + ra)],
+        })
     }
 
-    /// Density of [`Self::sample_reflection`], D_v(h)/(4 h·given), sr⁻¹.
-    #[inline]
-    pub fn reflection_pdf(self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
-        half(n, given, sampled).map_or(0.0, |(h, _)| 0.25 * self.d(n, h) * self.g1_over_cos(n.dot(given).abs()))
-    }
-
-    /// `given` mirrored about a normal that it sees; `None`: it would go below the surface.
+    /// `given` mirrored about a normal that it sees; density: [`Reflection::pdf`]; `None`: it would go below the surface.
     #[inline]
     pub fn sample_reflection(self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
         let r = reflect(given, self.sample_normal(n, given, u)?);
         (n.dot(r) * 1f32.copysign(n.dot(given)) > GRAZING).then_some(r)
+    }
+
+    /// G₂/G₁(a), the share of what `a` sees that leaves along `b`, on one side; 0 where b is below.
+    #[inline]
+    pub fn unmasked(self, cos_a: f32, cos_b: f32) -> f32 {
+        let (ra, rb) = (self.root(cos_a), self.root(cos_b));
+        (cos_b * (cos_a + ra) / (cos_a * rb + cos_b * ra)).max(0.0)
     }
 
     /// A normal on the side of `v` with density D_v; `None`: `v` is tangent.

@@ -1,7 +1,6 @@
 //! Blend of two surfaces.
 
-use super::super::Rgb;
-use super::Bsdf;
+use super::{Bsdf, Evaluation, choose};
 use glam::Vec3A;
 
 /// f_s = (1 - w) f_a + w f_b, neither of them delta.
@@ -16,27 +15,22 @@ pub struct Mix {
 }
 
 impl Mix {
-    /// (1 - w) f_a + w f_b.
+    /// (1 - w) f_a + w f_b, and densities alike.
     #[inline]
-    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
-        (1.0 - self.weight) * self.a.eval(n, to_light, to_eye) + self.weight * self.b.eval(n, to_light, to_eye)
+    pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+        let (a, b) = (self.a.evaluate(n, to_light, to_eye), self.b.evaluate(n, to_light, to_eye));
+        let pdf = |a: f32, b: f32| (1.0 - self.weight) * a + self.weight * b;
+        Evaluation {
+            value: (1.0 - self.weight) * a.value + self.weight * b.value,
+            pdf_to_eye: pdf(a.pdf_to_eye, b.pdf_to_eye),
+            pdf_to_light: pdf(a.pdf_to_light, b.pdf_to_light),
+        }
     }
 
-    /// (1 - w) p_a + w p_b.
-    #[inline]
-    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
-        (1.0 - self.weight) * self.a.pdf(n, given, sampled) + self.weight * self.b.pdf(n, given, sampled)
-    }
-
-    /// Samples b with probability w, else a; what is left of `u[2]` is passed on.
+    /// Samples b with probability w, else a.
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
-        // Below 1 also after rounding.
-        let rest = |u2: f32, p: f32| (u2 / p).min(1.0 - f32::EPSILON);
-        if u[2] < self.weight {
-            self.b.sample(n, given, [u[0], u[1], rest(u[2], self.weight)])
-        } else {
-            self.a.sample(n, given, [u[0], u[1], rest(u[2] - self.weight, 1.0 - self.weight)])
-        }
+        let (b, rest) = choose(u[2], self.weight);
+        (if b { &self.b } else { &self.a }).sample(n, given, [u[0], u[1], rest])
     }
 }

@@ -14,6 +14,8 @@
 //!   energy and P the probability of the event. So both subpaths' densities of one path have the same δ as factor, and
 //!   it cancels in every ratio.
 
+mod albedo;
+mod albedo_table;
 mod conductor;
 mod dielectric;
 pub mod fresnel;
@@ -24,7 +26,9 @@ pub mod microfacet;
 mod mirror;
 mod mix;
 mod rough_dielectric;
+mod rough_interface;
 mod rough_thin;
+mod spread;
 #[cfg(test)]
 mod tests;
 mod thin;
@@ -40,6 +44,7 @@ pub use metallic_roughness::{MIXED_ALPHA, MetallicRoughness, SMOOTH_ALPHA};
 pub use mirror::Mirror;
 pub use mix::Mix;
 pub use rough_dielectric::RoughDielectric;
+pub use rough_interface::RoughInterface;
 pub use rough_thin::RoughThin;
 pub use thin::{Thin, slab_reflectance};
 
@@ -52,6 +57,19 @@ pub struct Evaluation {
     pub pdf_to_eye: f32,
     /// [`Bsdf::pdf`] of the direction to the light, given that to the eye.
     pub pdf_to_light: f32,
+}
+
+impl Evaluation {
+    /// No light goes this way, and none is sampled.
+    pub const NOTHING: Self = Self { value: Rgb::ZERO, pdf_to_eye: 0.0, pdf_to_light: 0.0 };
+}
+
+/// Whether an event of probability `p` happens at the uniform number `u`, and a uniform number for what follows.
+#[inline]
+fn choose(u: f32, p: f32) -> (bool, f32) {
+    // Below 1 also after rounding.
+    let rest = |u: f32, p: f32| (u / p).min(1.0 - f32::EPSILON);
+    if u < p { (true, rest(u, p)) } else { (false, rest(u - p, 1.0 - p)) }
 }
 
 /// One surface's scattering function.
@@ -104,11 +122,7 @@ impl Bsdf {
             Self::Mirror(b) => b.eval(n, to_light, to_eye),
             Self::Dielectric(b) => b.eval(n, to_light, to_eye),
             Self::Thin(b) => b.eval(n, to_light, to_eye),
-            Self::Conductor(b) => b.eval(n, to_light, to_eye),
-            Self::Glossy(b) => b.eval(n, to_light, to_eye),
-            Self::RoughDielectric(b) => b.eval(n, to_light, to_eye),
-            Self::RoughThin(b) => b.eval(n, to_light, to_eye),
-            Self::Mix(b) => b.eval(n, to_light, to_eye),
+            _ => self.evaluate_rough(n, to_light, to_eye).value,
         }
     }
 
@@ -121,11 +135,7 @@ impl Bsdf {
             Self::Mirror(b) => b.pdf(n, given, sampled),
             Self::Dielectric(b) => b.pdf(n, given, sampled),
             Self::Thin(b) => b.pdf(n, given, sampled),
-            Self::Conductor(b) => b.pdf(n, given, sampled),
-            Self::Glossy(b) => b.pdf(n, given, sampled),
-            Self::RoughDielectric(b) => b.pdf(n, given, sampled),
-            Self::RoughThin(b) => b.pdf(n, given, sampled),
-            Self::Mix(b) => b.pdf(n, given, sampled),
+            _ => self.evaluate_rough(n, given, sampled).pdf_to_eye,
         }
     }
 
@@ -134,16 +144,32 @@ impl Bsdf {
     pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
         match self {
             Self::Lambert(b) => b.evaluate(n, to_light, to_eye),
-            _ => self.evaluate_apart(n, to_light, to_eye),
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => {
+                self.evaluate_delta(n, to_light, to_eye)
+            }
+            _ => self.evaluate_rough(n, to_light, to_eye),
         }
     }
 
     #[inline(never)]
-    fn evaluate_apart(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+    fn evaluate_delta(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
         Evaluation {
             value: self.eval(n, to_light, to_eye),
             pdf_to_eye: self.pdf(n, to_light, to_eye),
             pdf_to_light: self.pdf(n, to_eye, to_light),
+        }
+    }
+
+    /// Of what is neither delta nor diffuse.
+    #[inline(never)]
+    fn evaluate_rough(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+        match self {
+            Self::Conductor(b) => b.evaluate(n, to_light, to_eye),
+            Self::Glossy(b) => b.evaluate(n, to_light, to_eye),
+            Self::RoughDielectric(b) => b.evaluate(n, to_light, to_eye),
+            Self::RoughThin(b) => b.evaluate(n, to_light, to_eye),
+            Self::Mix(b) => b.evaluate(n, to_light, to_eye),
+            _ => Evaluation::NOTHING,
         }
     }
 

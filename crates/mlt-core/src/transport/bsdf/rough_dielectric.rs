@@ -1,109 +1,107 @@
 //! Rough interface between two transparent media.
 
 use super::super::Rgb;
-use super::fresnel::{dielectric, reflect, refract};
+use super::albedo::{Curve, at_cosine, cosine_average};
+use super::fresnel::dielectric;
 use super::microfacet::{GRAZING, Ggx};
+use super::rough_interface::RoughInterface;
+use super::spread::Spread;
+use super::{Evaluation, choose};
 use glam::Vec3A;
+use std::f32::consts::FRAC_1_PI;
 
-/// GGX microfacets that reflect F and refract 1 - F of what they meet.
+/// f_s = f_once + c m(l) m(e) ηₑ², m = 1 - ∫ f_once cosθ dω without tint.
 ///
-/// * reflection: f_s = F D G₂/(4 cosθₗ cosθₑ)
-/// * refraction: f_s = |h·l||h·e| (1 - F) tint D G₁(l) G₁(e) ηₑ²/(cosθₗ cosθₑ |ηₗ l + ηₑ e|²)
+/// The second term is what meets the surface more than once. Of this light M = η² m̄ comes along all directions of a side, and X
+/// goes over to the other: X = (1 - F̄) min M, F̄ the rarer side's mean reflectance. c = (1 - X/M)/(π M) for two directions on one
+/// side, and tint X/(π M M') for two sides. Untinted it absorbs nothing. Derivation: docs/theory-surfaces.md.
 ///
-/// The medium is on the back of n, vacuum on its front; η² of the eye's side scales radiance.
-///
-/// Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007, eqs. 20 and 21. Left out:
-/// heights correlated across the surface.
+/// Source: after Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
 #[derive(Clone, Debug)]
 pub struct RoughDielectric {
-    /// Index of refraction of the medium over that of its surroundings, > 0; |ior - 1| > 10⁻³.
-    pub ior: f32,
-    /// Factor on what is transmitted, ∈ [0, 1], at each crossing.
-    pub tint: Rgb,
-    /// Microfacets.
-    pub ggx: Ggx,
+    /// What is scattered once, f_once.
+    pub once: RoughInterface,
+    spread: Spread,
+    /// Front, back.
+    sides: Box<[Side; 2]>,
+    /// X/(π M M'), sr⁻¹.
+    transmission: f32,
 }
 
-/// The microfacet that refracts one direction into the other.
-struct Refraction {
-    /// |h·a| and |h·b|.
-    cos: [f32; 2],
-    /// (1 - F) D(h)/|ηₐ a + η_b b|², sr⁻¹.
-    value: f32,
+/// What is scattered more than once, on one side.
+#[derive(Clone, Debug)]
+struct Side {
+    /// m.
+    lacking: Curve,
+    /// X/M, the share that leaves on the other side.
+    transmitted: f32,
+    /// (1 - X/M)/(π M), sr⁻¹.
+    reflection: f32,
 }
 
 impl RoughDielectric {
-    /// Index on the side where n·direction has this sign.
-    #[inline]
-    fn eta(&self, cos: f32) -> f32 {
-        if cos > 0.0 { 1.0 } else { self.ior }
+    /// An interface to a medium of this index.
+    pub fn new(ior: f32, tint: Rgb, ggx: Ggx) -> Self {
+        let once = RoughInterface { ior, tint, ggx };
+        let lacking = [1.0, -1.0].map(|side| Curve::new(ggx, |cos| once.albedo(side * at_cosine(cos))));
+        let flux = [lacking[0].average(), ior * ior * lacking[1].average()].map(|m| m.max(f32::MIN_POSITIVE));
+        let reflected = cosine_average(|cos| [dielectric(cos, ior.max(1.0 / ior))])[0];
+        let exchanged = (1.0 - reflected) * flux[0].min(flux[1]);
+        let [front, back] = lacking;
+        let side = |lacking, flux: f32| {
+            let transmitted = exchanged / flux;
+            Side { lacking, transmitted, reflection: (1.0 - transmitted) * FRAC_1_PI / flux }
+        };
+        let sides = Box::new([side(front, flux[0]), side(back, flux[1])]);
+        let transmission = (1.0 - reflected) * FRAC_1_PI / flux[0].max(flux[1]);
+        Self { once, spread: Spread::new(ggx), sides, transmission }
     }
 
-    /// F where microfacet and direction, on the side of `cos`, enclose the angle with cosine `cos_h`.
+    /// The side on which n·direction has this sign.
     #[inline]
-    fn fresnel(&self, cos: f32, cos_h: f32) -> f32 {
-        dielectric(cos_h.min(1.0), self.eta(-cos) / self.eta(cos))
+    fn side(&self, cos: f32) -> &Side {
+        &self.sides[usize::from(cos < 0.0)]
     }
 
-    /// `None`: not on two sides, tangent, or joined by no visible microfacet. Symmetric in `a` and `b`.
+    /// f_s, and (1 - m) times the density of what is scattered once, plus m (1 - X/M) or m X/M times q of [`Spread`].
     #[inline]
-    fn refraction(&self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Refraction> {
-        let (ca, cb) = (n.dot(a), n.dot(b));
-        let two_sides = ca.min(cb) < -GRAZING && ca.max(cb) > GRAZING;
-        if !two_sides {
-            return None;
-        }
-        let sum = self.eta(ca) * a + self.eta(cb) * b;
-        let length2 = sum.length_squared();
-        let h = sum.try_normalize()?;
-        let h = h * 1f32.copysign(n.dot(h));
-        let (ha, hb) = (h.dot(a), h.dot(b));
-        if ha * ca <= 0.0 || hb * cb <= 0.0 {
-            return None;
-        }
-        // F on the rarer side, where no total reflection can turn up by rounding.
-        let rare = if (self.ior >= 1.0) == (ca > 0.0) { ha } else { hb };
-        let f = dielectric(rare.abs().min(1.0), self.ior.max(1.0 / self.ior));
-        Some(Refraction { cos: [ha.abs(), hb.abs()], value: (1.0 - f) * self.ggx.d(n, h) / length2 })
-    }
-
-    /// f_s, radiance scaling by ηₑ²/ηₗ² included.
-    #[inline]
-    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
-        if let Some((cos_h, value)) = self.ggx.reflection(n, to_light, to_eye) {
-            return Rgb::splat(self.fresnel(n.dot(to_eye), cos_h) * value);
-        }
-        let Some(r) = self.refraction(n, to_light, to_eye) else { return Rgb::ZERO };
+    pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
         let (l, e) = (n.dot(to_light), n.dot(to_eye));
-        let eta = self.eta(e);
-        let shadowing = self.ggx.g1_over_cos(l.abs()) * self.ggx.g1_over_cos(e.abs());
-        self.tint * (r.cos[0] * r.cos[1] * eta * eta * shadowing * r.value)
-    }
-
-    /// F D_v(h)/(4 h·given), or (1 - F) D_v(h) ηₛ²|h·sampled|/|η_g given + ηₛ sampled|².
-    #[inline]
-    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
-        let g = n.dot(given);
-        if let Some((cos_h, _)) = self.ggx.reflection(n, given, sampled) {
-            return self.fresnel(g, cos_h) * self.ggx.reflection_pdf(n, given, sampled);
+        if l.abs().min(e.abs()) <= GRAZING {
+            return Evaluation::NOTHING;
         }
-        let Some(r) = self.refraction(n, given, sampled) else { return 0.0 };
-        let eta = self.eta(n.dot(sampled));
-        r.cos[0] * r.cos[1] * eta * eta * self.ggx.g1_over_cos(g.abs()) * r.value
+        let once = self.once.evaluate(n, to_light, to_eye);
+        let is_reflected = l * e > 0.0;
+        let lacking = [l, e].map(|cos| self.side(cos).lacking.at(cos.abs()));
+        let factor =
+            if is_reflected { Rgb::splat(self.side(l).reflection) } else { self.once.tint * self.transmission };
+        let eta = self.once.eta(e);
+        let pdf = |once: f32, given: f32, lacking: f32, sampled: f32| {
+            let transmitted = self.side(given).transmitted;
+            let share = if is_reflected { 1.0 - transmitted } else { transmitted };
+            (1.0 - lacking) * once + lacking * share * self.spread.pdf(sampled.abs())
+        };
+        Evaluation {
+            value: once.value + factor * (lacking[0] * lacking[1] * eta * eta),
+            pdf_to_eye: pdf(once.pdf_to_eye, l, lacking[0], e),
+            pdf_to_light: pdf(once.pdf_to_light, e, lacking[1], l),
+        }
     }
 
-    /// Reflects about a visible normal with probability F, else refracts; `None`: it would end on the wrong side.
+    /// Draws what is scattered once, or from [`Spread`] on either side.
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
-        let h = self.ggx.sample_normal(n, given, [u[0], u[1]])?;
-        let g = n.dot(given);
-        let side = 1f32.copysign(g);
-        if u[2] < self.fresnel(g, h.dot(given)) {
-            let r = reflect(given, h);
-            (n.dot(r) * side > GRAZING).then_some(r)
-        } else {
-            let t = refract(given, h, self.eta(-g) / self.eta(g))?;
-            (n.dot(t) * side < -GRAZING).then_some(t)
+        let cos = n.dot(given);
+        if cos.abs() <= GRAZING {
+            return None;
+        }
+        let side = self.side(cos);
+        match choose(u[2], side.lacking.at(cos.abs())) {
+            (false, rest) => self.once.sample(n, given, [u[0], u[1], rest]),
+            (true, rest) => {
+                let stays = if rest < side.transmitted { -1.0 } else { 1.0 };
+                Some(self.spread.sample(n * (stays * 1f32.copysign(cos)), [u[0], u[1]]))
+            }
         }
     }
 }

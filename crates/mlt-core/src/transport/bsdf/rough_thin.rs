@@ -1,15 +1,20 @@
 //! Thin transparent wall with a rough surface.
 
 use super::super::Rgb;
+use super::albedo::{Albedo, cosine_average};
 use super::fresnel::reflect;
 use super::microfacet::{GRAZING, Ggx};
+use super::spread::Spread;
 use super::thin::slab_reflectance;
+use super::{Evaluation, choose};
 use glam::Vec3A;
+use std::f32::consts::FRAC_1_PI;
 
 /// A reflection lobe of share R', and the same lobe mirrored through the surface of share (1 - R')·tint.
 ///
-/// f_s = R'(h·l) D G₂/(4 cosθₗ cosθₑ), or (1 - R'(h·l)) tint D G₂/(4 cosθₗ cosθₑ) with one direction mirrored through
-/// the surface; R': [`slab_reflectance`]; η = 1 on both sides.
+/// f_s = R'(h·l) D G₂/(4 cosθₗ cosθₑ) + R̄' m(θₗ) m(θₑ)/(π m̄), or the same with 1 - R' in place of R', times tint, with one
+/// direction mirrored through the surface; R': [`slab_reflectance`], R̄' its mean over the hemisphere, m: [`Albedo`]; η = 1 on
+/// both sides. Untinted it absorbs nothing.
 #[derive(Clone, Debug)]
 pub struct RoughThin {
     /// Index of refraction of the wall over that of its surroundings, ≥ 1.
@@ -18,6 +23,12 @@ pub struct RoughThin {
     pub tint: Rgb,
     /// Microfacets.
     pub ggx: Ggx,
+    table: Albedo,
+    spread: Spread,
+    /// R̄'.
+    reflected: f32,
+    /// 1/(π m̄), sr⁻¹.
+    scale: f32,
 }
 
 /// `v` mirrored through the plane with unit normal `n`.
@@ -27,43 +38,53 @@ fn through(n: Vec3A, v: Vec3A) -> Vec3A {
 }
 
 impl RoughThin {
-    /// The event's share at the microfacet and D G₂/(4 cosθₐ cosθ_b), after bringing both directions to one side.
+    /// A wall of this index and tint.
+    pub fn new(ior: f32, tint: Rgb, ggx: Ggx) -> Self {
+        let table = Albedo::new(ggx);
+        let reflected = cosine_average(|cos| [slab_reflectance(cos, ior)])[0];
+        Self { ior, tint, ggx, table, spread: Spread::new(ggx), reflected, scale: FRAC_1_PI / table.average().white }
+    }
+
+    /// f_s, and (1 - m) R' or 1 - R' times D_v(h)/(4 h·given), and m R̄' or 1 - R̄' times q of [`Spread`].
     ///
-    /// It is the direction on the back that is moved, so that eval and pdf see the same rounding.
+    /// Both directions are brought to the front; it is the one on the back that is moved, so that values and densities see the
+    /// same rounding.
     #[inline]
-    fn lobe(&self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<(f32, f32, Vec3A, Vec3A)> {
-        let reflected = n.dot(a) * n.dot(b) > 0.0;
-        let front = |v: Vec3A| if reflected || n.dot(v) > 0.0 { v } else { through(n, v) };
-        let (a, b) = (front(a), front(b));
-        let (cos_half, value) = self.ggx.reflection(n, a, b)?;
-        let r = slab_reflectance(cos_half, self.ior);
-        Some((if reflected { r } else { 1.0 - r }, value, a, b))
+    pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+        let is_reflected = n.dot(to_light) * n.dot(to_eye) > 0.0;
+        let front = |v: Vec3A| if is_reflected || n.dot(v) > 0.0 { v } else { through(n, v) };
+        let Some(single) = self.ggx.reflection(n, front(to_light), front(to_eye)) else { return Evaluation::NOTHING };
+        let r = slab_reflectance(single.cos_half, self.ior);
+        let (once, again, tint) = match is_reflected {
+            true => (r, self.reflected, Rgb::ONE),
+            false => (1.0 - r, 1.0 - self.reflected, self.tint),
+        };
+        let cos = [n.dot(to_light).abs(), n.dot(to_eye).abs()];
+        let lacking = cos.map(|cos| self.table.at(cos).white);
+        let pdf = |given: usize, sampled: usize| {
+            let multiple = lacking[given] * again * self.spread.pdf(cos[sampled]);
+            (1.0 - lacking[given]) * once * single.pdf[sampled] + multiple
+        };
+        let multiple = self.scale * lacking[0] * lacking[1];
+        Evaluation {
+            value: tint * (once * single.value + again * multiple),
+            pdf_to_eye: pdf(0, 1),
+            pdf_to_light: pdf(1, 0),
+        }
     }
 
-    /// f_s.
-    #[inline]
-    pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {
-        let Some((share, value, ..)) = self.lobe(n, to_light, to_eye) else { return Rgb::ZERO };
-        let tint = if n.dot(to_light) * n.dot(to_eye) > 0.0 { Rgb::ONE } else { self.tint };
-        tint * (share * value)
-    }
-
-    /// R' or 1 - R' times D_v(h)/(4 h·given).
-    #[inline]
-    pub fn pdf(&self, n: Vec3A, given: Vec3A, sampled: Vec3A) -> f32 {
-        let lobe = self.lobe(n, given, sampled);
-        lobe.map_or(0.0, |(share, _, given, sampled)| share * self.ggx.reflection_pdf(n, given, sampled))
-    }
-
-    /// Mirrors `given` about a visible normal; with probability 1 - R' through the surface as well.
+    /// Mirrors `given` about a visible normal, or draws from [`Spread`]; with probability 1 - R' or 1 - R̄' through the surface as well.
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let h = self.ggx.sample_normal(n, given, [u[0], u[1]])?;
-        let r = reflect(given, h);
-        if n.dot(r) * 1f32.copysign(n.dot(given)) <= GRAZING {
-            return None;
-        }
-        let reflected = u[2] < slab_reflectance(h.dot(given).min(1.0), self.ior);
-        Some(if reflected { r } else { through(n, r) })
+        let side = n * 1f32.copysign(n.dot(given));
+        let (multiple, rest) = choose(u[2], self.table.at(side.dot(given)).white);
+        let (r, reflected) = if multiple {
+            (self.spread.sample(side, [u[0], u[1]]), self.reflected)
+        } else {
+            (reflect(given, h), slab_reflectance(h.dot(given).min(1.0), self.ior))
+        };
+        let stays = side.dot(r) > GRAZING;
+        stays.then(|| if rest < reflected { r } else { through(n, r) })
     }
 }

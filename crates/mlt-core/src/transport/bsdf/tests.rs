@@ -151,16 +151,16 @@ mod rough {
 
     fn coat(alpha: f32, f90: f32) -> Bsdf {
         let base = Lambert { reflectance: Rgb::new(0.8, 0.3, 0.1) };
-        Bsdf::Glossy(Glossy { base, coat: Conductor { f0: Rgb::splat(0.04 * f90), ggx: Ggx { alpha } }, f90 })
+        Bsdf::Glossy(Glossy::new(base, Conductor::new(Rgb::splat(0.04 * f90), f90, Ggx { alpha })))
     }
 
     /// Every kind that is not delta, with the index on the back side.
     fn all(alpha: f32) -> Vec<(Bsdf, f32)> {
         let ggx = Ggx { alpha };
-        let glass = |ior| Bsdf::RoughDielectric(RoughDielectric { ior, tint: TINT, ggx });
-        let pane = || Bsdf::RoughThin(RoughThin { ior: 1.5, tint: TINT, ggx });
+        let glass = |ior| Bsdf::RoughDielectric(RoughDielectric::new(ior, TINT, ggx));
+        let pane = || Bsdf::RoughThin(RoughThin::new(1.5, TINT, ggx));
         vec![
-            (Bsdf::Conductor(Conductor { f0: TINT, ggx }), 1.0),
+            (Bsdf::Conductor(Conductor::new(TINT, 1.0, ggx)), 1.0),
             (coat(alpha, 1.0), 1.0),
             (glass(1.5), 1.5),
             (glass(0.7), 0.7),
@@ -340,10 +340,7 @@ mod rough {
                 let (f, b) = (furnace(d), beam(d));
                 [f[0], f[1], f[2], b[0]]
             });
-            // A coat over a base may exceed 1 by the coat's own share: see Glossy.
-            let coated = matches!(b, Bsdf::Glossy(_) | Bsdf::Mix(_));
-            let excess = if coated { fresnel::schlick(Rgb::splat(0.04), 1.0, n.dot(eye).abs()).x as f64 } else { 0.0 };
-            assert!(both[0] <= 1.0 + 1e-4 + excess, "{b:?} at {}: {both:?}", n.dot(eye));
+            assert!(both[0] <= 1.0 + 3e-3, "{b:?} at {}: {both:?}", n.dot(eye));
             assert!((both[0] - both[3]).abs() < 1e-3 * both[0], "{b:?}: {both:?}");
 
             let mut rng = Pcg64Mcg::seed_from_u64(i as u64);
@@ -360,25 +357,87 @@ mod rough {
         }
     }
 
-    /// A coat over a base of ρ = 0.95 does not create energy under light from everywhere.
-    #[test]
-    fn coat_keeps_energy_on_average() {
+    /// The share of a beam along `given` that a surface of values `eval` scatters, ∫ f |cosθ| dω, and its standard error: by
+    /// quadrature of wide lobes on one side, else the mean of f |cosθ|/p over `b`'s samples.
+    fn scattered(b: &Bsdf, given: Vec3A, roughness: f32, eval: impl Fn(Vec3A) -> Rgb) -> [glam::DVec3; 2] {
         let n = normal();
-        for alpha in [0.05, 0.3, 0.8] {
-            let base = Lambert { reflectance: Rgb::splat(0.95) };
-            let b =
-                Bsdf::Glossy(Glossy { base, coat: Conductor { f0: Rgb::splat(0.04), ggx: Ggx { alpha } }, f90: 1.0 });
-            let steps = 20;
-            let average: f64 = (0..steps)
-                .map(|i| {
-                    // cos² uniform: cosine-weighted directions.
-                    let eye = direction(n, ((i as f32 + 0.5) / steps as f32).sqrt());
-                    let albedo = sphere_integral(n, &|l| [(b.eval(n, l, eye).x * n.dot(l).abs()) as f64]);
-                    albedo[0] / steps as f64
-                })
-                .sum();
-            assert!(average < 1.0 && average > 0.9, "{average}");
+        let value = |d: Vec3A| (eval(d) * n.dot(d).abs()).as_dvec3();
+        if roughness >= 0.3 && !matches!(b, Bsdf::RoughDielectric(_)) {
+            return [sphere_integral(n, &|d| value(d).to_array()).into(), glam::DVec3::ZERO];
         }
+        let mut rng = Pcg64Mcg::seed_from_u64(21);
+        let (draws, mut sum, mut sum2) = (20_000, glam::DVec3::ZERO, glam::DVec3::ZERO);
+        for _ in 0..draws {
+            let drawn = b.sample(n, given, uniform3(&mut rng)).map(|d| (d, f64::from(b.pdf(n, given, d))));
+            let weight = drawn.filter(|(_, p)| *p > 0.0).map_or(glam::DVec3::ZERO, |(d, p)| value(d) / p);
+            (sum, sum2) = (sum + weight, sum2 + weight * weight);
+        }
+        let mean = sum / f64::from(draws);
+        let variance = (sum2 / f64::from(draws) - mean * mean).max(glam::DVec3::ZERO);
+        [mean, glam::DVec3::from_array((variance / f64::from(draws)).to_array().map(f64::sqrt))]
+    }
+
+    /// Materials without absorption at each roughness, seen from grazing to normal incidence, from both sides.
+    fn white(roughnesses: &[f32], mut check: impl FnMut(Bsdf, Vec3A, f32)) {
+        let metal = MetallicRoughness::default();
+        let plastic = |ior, specular, specular_color| MetallicRoughness {
+            metallic: 0.0,
+            ior,
+            specular,
+            specular_color,
+            ..metal.clone()
+        };
+        let wall = MetallicRoughness { transmission: 1.0, ..plastic(1.5, 1.0, Rgb::ONE) };
+        let glass = |ior| MetallicRoughness { thin: false, ior, ..wall.clone() };
+        let materials = [
+            metal.clone(),
+            plastic(1.0, 1.0, Rgb::ONE),
+            plastic(1.5, 1.0, Rgb::ONE),
+            plastic(1.5, 0.3, Rgb::new(1.0, 0.3, 0.0)),
+            plastic(2.5, 1.0, Rgb::new(0.2, 1.0, 50.0)),
+            MetallicRoughness { metallic: 0.3, transmission: 0.4, ..plastic(1.5, 0.8, Rgb::ONE) },
+            wall.clone(),
+            glass(1.05),
+            glass(1.5),
+            glass(0.7),
+        ];
+        for &roughness in roughnesses {
+            for material in &materials {
+                let b = MetallicRoughness { roughness, ..material.clone() }.bsdf();
+                for cos in [0.02, 0.2, 1.0, -0.02, -0.7] {
+                    check(b.clone(), direction(normal(), cos), roughness);
+                }
+            }
+        }
+    }
+
+    /// In a furnace, what absorbs nothing shows radiance 1 at every roughness and angle.
+    #[test]
+    fn white_is_white() {
+        let n = normal();
+        white(&[0.0, 0.01, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0], |b, given, roughness| {
+            let [share, stderr] = scattered(&b, given, roughness, |d| b.eval(n, given, d));
+            let off = (share - 1.0).abs() - 4.5 * stderr;
+            assert!(off.max_element() < 3e-3, "{share} ± {stderr} at cosθ = {}: {b:?}", n.dot(given));
+        });
+    }
+
+    /// The same test finds what one scattering lacks, and what a base adds that does not know of its coat.
+    #[test]
+    fn white_is_not_white_without_its_terms() {
+        let n = normal();
+        let (mut least, mut greatest) = (1.0f64, 1.0f64);
+        white(&[0.0, 1.0], |b, given, roughness| {
+            let eval = |d: Vec3A| match &b {
+                Bsdf::Conductor(metal) => Rgb::splat(metal.ggx.reflection(n, given, d).map_or(0.0, |met| met.value)),
+                Bsdf::RoughDielectric(glass) => glass.once.evaluate(n, given, d).value,
+                Bsdf::Glossy(plastic) => plastic.coat.evaluate(n, given, d).value + plastic.base.eval(n, given, d),
+                other => other.eval(n, given, d),
+            };
+            let [share, _] = scattered(&b, given, roughness, eval);
+            (least, greatest) = (least.min(share.min_element()), greatest.max(share.max_element()));
+        });
+        assert!(least < 0.5 && greatest > 1.1, "{least} {greatest}");
     }
 
     /// f |cosθ|/p stays bounded where rounding of directions is as large as the lobe.
@@ -389,7 +448,8 @@ mod rough {
         for alpha in [1e-6, 1e-5, 1e-4, 1e-2] {
             for (b, ior) in all(alpha) {
                 let eta2 = |v: Vec3A| if n.dot(v) > 0.0 { 1.0 } else { ior * ior };
-                let bound = if matches!(b, Bsdf::Glossy(_) | Bsdf::Mix(_)) { 2.0 } else { 1.0 + 1e-4 };
+                // Where m is mostly rounding, its share of samples, as small, has weights up to those of q at cosθ = 1.
+                let bound = 2.0f32.max((1.0 + 1.0 / (alpha * alpha)).ln());
                 for _ in 0..20_000 {
                     let e = direction(n, 2.0 * uniform(&mut rng) - 1.0);
                     let Some(d) = b.sample(n, e, uniform3(&mut rng)) else { continue };
@@ -477,8 +537,11 @@ fn finite_whatever_the_input() {
         }
         if let Some(d) = sampled.filter(|d| b.pdf(n, given, *d) > 0.0) {
             let weight = b.eval(n, d, given) * (n.dot(d).abs() / b.pdf(n, given, d));
-            // η² = 5.76 and a coat's 1.96 over the share of what was sampled.
-            assert!(weight.max_element() < 6.0, "{b:?} {n} {given} {d}: {weight}");
+            // η² = 5.76, times the greatest weight of q.
+            assert!(
+                weight.max_element() < 5.8 * (1.0 + 1.0 / (SMOOTH_ALPHA * SMOOTH_ALPHA)).ln(),
+                "{b:?} {n} {given} {d}: {weight}"
+            );
         }
     }
 }
