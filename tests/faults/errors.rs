@@ -36,23 +36,21 @@ fn report(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).expect("JSON on standard output")
 }
 
+/// Of mixtures, b is no better known than the part of it that chains make: `tests/auto.rs` has the statistics.
 #[test]
-fn the_error_of_b_has_what_pixels_have_in_common() {
-    const SEEDS: u32 = 24;
-    let one = |seed: u32| {
-        let line = format!("--size 16x16 --samples-per-pixel 64 --rounds 16 --seed {seed} --threads 2");
-        render("slit/scene.gltf", &line).b()
+fn the_error_of_b_has_that_of_the_chains() {
+    let of_seed = |seed: u32| {
+        let line = format!("--size 16x16 --samples-per-pixel 512 --seed {seed} --threads 2");
+        let rendered = render("slit/scene.gltf", &line);
+        let strata = rendered.report["strata"].as_array().expect("a list").clone();
+        let square = |stratum: &Value| stratum["b_stderr"].as_f64().expect("a number").powi(2);
+        let of_chains = strata.iter().map(square).sum::<f64>().sqrt();
+        let is_mixture = !strata.is_empty() && rendered.report["decision"]["independent"].is_string();
+        is_mixture.then(|| rendered.b().1 / of_chains)
     };
-    let found: Vec<_> = (0..SEEDS).map(one).collect();
-    let n = f64::from(SEEDS);
-    let mean = found.iter().map(|f| f.0).sum::<f64>() / n;
-    let scatter = (found.iter().map(|f| (f.0 - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-    let told = (found.iter().map(|f| f.1 * f.1).sum::<f64>() / n).sqrt();
-    // A few seeds have most of the error, so that it is known to a factor of two or so.
-    let honest = |told: f64| (0.5..2.0).contains(&(scatter / told));
-    assert!(honest(told), "{scatter} {told}");
-    // The negative control: an eighth of it, which was told when pixels were taken for independent.
-    assert!(!honest(told / 8.0));
+    // Sixteen rounds tell an error to a factor of two. It was a twelfth when pixels were taken for independent.
+    let ratios: Vec<f64> = (0..6).filter_map(of_seed).collect();
+    assert!(!ratios.is_empty() && ratios.iter().all(|ratio| *ratio > 0.4), "{ratios:?}");
 }
 
 #[test]

@@ -188,10 +188,13 @@ impl LightPath {
         }
         self.update(view, scattering)?;
         let passed = view.scene.transmittance(&self.vertices[s - 1].vertex, &self.vertices[s].vertex);
+        if passed == 0.0 {
+            return None;
+        }
         if passed < 1.0 {
             self.veil(s, passed);
         }
-        (passed > 0.0).then_some(())
+        Some(())
     }
 
     /// Multiplies what depends on the edge from x_{s−1} to x_s by what passes along it.
