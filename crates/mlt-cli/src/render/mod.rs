@@ -15,7 +15,9 @@ use std::{io::Write, time::Duration};
 
 use anyhow::Context;
 
-use crate::{Failure, args::render::RenderOptions, image::Image, interrupt::Interrupt, print, report::Report, warn};
+use crate::{
+    Failure, args::render::RenderOptions, image::Image, interrupt::Interrupt, print, report::Report, warn, warn_all,
+};
 
 pub(crate) use blocks::{Blocks, Grid};
 pub(crate) use plan::Plan;
@@ -65,9 +67,7 @@ fn announce(plan: &Plan) {
 }
 
 fn show(options: &RenderOptions, report: &Report) -> Result<(), Failure> {
-    for warning in &report.warnings {
-        warn(warning);
-    }
+    warn_all(&report.warnings);
     if report.interrupted {
         let seconds = Duration::from_secs_f64(report.seconds).as_secs();
         warn(&format!("interrupted after {seconds} s; the files hold the {} finished rounds", report.rounds));

@@ -87,6 +87,9 @@ impl Scene {
     /// Most triangles in a scene.
     pub const MOST_TRIANGLES: usize = 1 << 27;
 
+    /// Memory that [`new`](Self::new) needs at its peak for each triangle, bytes, measured.
+    pub const BYTES_PER_TRIANGLE: u64 = 400;
+
     /// Builds the acceleration structure and finds the lights.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ mod text;
 
 use crate::{
     Loaded, SceneError,
-    geometry::{MAX_ELEMENTS, RawMesh},
+    geometry::{GeometrySize, RawMesh},
     source::Source,
 };
 use glam::{DVec3, Vec3};
@@ -32,7 +32,7 @@ pub(crate) fn load(source: &Source) -> Result<Loaded, SceneError> {
     let (models, _) = text::parse(&source.path, "OBJ", &reduced.text, parse)?;
     let description = describe(source, models, &materials, &mut warnings)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { name, description, warnings })
+    Ok(Loaded { name, description, warnings, lights_left_out: 0 })
 }
 
 fn describe(
@@ -47,12 +47,10 @@ fn describe(
     if models.iter().any(|m| m.mesh.material_id.is_none()) {
         scene.materials.push(material::grey());
     }
-    let mut total = 0;
+    let mut size = GeometrySize::default();
+    models.iter().for_each(|m| size.add(triangle_count(&m.mesh), 0));
+    size.take(source)?;
     for model in models {
-        total += model.mesh.indices.len();
-        if total > 3 * MAX_ELEMENTS {
-            return Err(source.too_large(format!("object `{}`", model.name), "corners so far", 3 * MAX_ELEMENTS));
-        }
         let material = model.mesh.material_id.unwrap_or(grey) as u32;
         scene.meshes.extend(mesh(model, warnings).map(|m| Mesh { material, ..m }));
     }
