@@ -7,4 +7,5 @@ mod obj;
 mod opacity;
 mod errors;
 mod paths;
+mod gltf;
 mod support;

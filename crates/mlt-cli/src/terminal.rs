@@ -3,10 +3,8 @@
 use std::io::{self, ErrorKind, Write};
 
 use anyhow::Context;
-use mlt_scene::printable;
+use mlt_scene::{MOST_OF_A_MESSAGE, printable};
 
-/// The most characters of a message that are shown.
-const MOST_OF_A_MESSAGE: usize = 2000;
 /// The most warnings that are shown.
 const MOST_WARNINGS: usize = 20;
 

@@ -5,33 +5,28 @@ use glam::{DVec3, Vec3};
 use mlt_core::transport::{mesh::Mesh, scene::Scene};
 use std::collections::HashSet;
 
-/// Bytes that a triangle takes here: three indices, twice while a mesh is made, and the vertices that they name.
-const BYTES_PER_TRIANGLE: u64 = 36;
-
-/// Bytes that a vertex takes: a position and a normal.
-const BYTES_PER_VERTEX: u64 = 36;
-
 /// How many triangles a scene has, counted before they are made.
 #[derive(Default)]
 pub(crate) struct GeometrySize {
     triangles: usize,
-    vertices: usize,
+    emitters: usize,
 }
 
 impl GeometrySize {
-    /// Counts triangles among so many vertices, of which they use three each at most.
-    pub fn add(&mut self, triangles: usize, vertices: usize) {
+    /// Counts the triangles of a mesh.
+    pub fn add(&mut self, triangles: usize, emit: bool) {
         self.triangles = self.triangles.saturating_add(triangles);
-        self.vertices = self.vertices.saturating_add(vertices.min(triangles.saturating_mul(3)));
+        self.emitters = self.emitters.saturating_add(if emit { triangles } else { 0 });
     }
 
-    /// Takes the memory for them, here and in the renderer, or refuses the scene.
+    /// Takes the memory for them, or refuses the scene. The renderer's needs are greater than those of the mesh in the
+    /// making, at most 200 bytes a triangle, and come later.
     pub fn take(&self, source: &Source) -> Result<(), SceneError> {
         if self.triangles > Scene::MOST_TRIANGLES {
             return Err(source.too_large("the scene", "triangles", Scene::MOST_TRIANGLES));
         }
-        let bytes = self.triangles as u64 * (BYTES_PER_TRIANGLE + Scene::BYTES_PER_TRIANGLE);
-        let bytes = bytes.saturating_add((self.vertices as u64).saturating_mul(BYTES_PER_VERTEX));
+        let bytes = [(self.triangles, Scene::BYTES_PER_TRIANGLE), (self.emitters, Scene::BYTES_PER_EMITTER)];
+        let bytes = bytes.iter().map(|&(count, each)| count as u64 * each).sum();
         source.take(bytes, format!("the geometry of {} triangles", self.triangles))
     }
 }

@@ -30,7 +30,7 @@ use std::path::Path;
 pub use builtin::{BUILTIN, builtin};
 pub use camera::{bounds, camera_framing, camera_look_at};
 pub use error::SceneError;
-pub use text::printable;
+pub use text::{MOST_OF_A_MESSAGE, printable};
 
 /// A scene, and what could not be taken over from its file.
 #[derive(Clone, Debug)]
@@ -43,6 +43,16 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// Point, spot and directional lights that the scene would show and the description cannot say.
     pub lights_left_out: usize,
+}
+
+impl Loaded {
+    /// Leaves nothing in names and warnings that would control a terminal. Cameras keep their names, to be chosen by.
+    fn make_printable(&mut self) {
+        let SceneDescription { meshes, materials, .. } = &mut self.description;
+        let names = meshes.iter_mut().map(|m| &mut m.name).chain(materials.iter_mut().map(|m| &mut m.name));
+        names.for_each(|name| *name = text::shown(name));
+        self.warnings.iter_mut().for_each(|warning| *warning = printable(warning, MOST_OF_A_MESSAGE));
+    }
 }
 
 /// Loads a `.gltf`, `.glb` or `.obj` file, of any size.
@@ -62,6 +72,7 @@ fn load_within(path: &Path, memory: &Memory) -> Result<Loaded, SceneError> {
     let parsed = guard::catch(|| parse(&source));
     let mut loaded = parsed.map_err(|reason| SceneError::Parser { path: path.to_owned(), reason })??;
     winding::follow_normals(&mut loaded.description, &mut loaded.warnings);
+    loaded.make_printable();
     Ok(loaded)
 }
 

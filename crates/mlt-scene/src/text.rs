@@ -3,6 +3,9 @@
 /// The most characters of a name that a message repeats.
 const MOST_OF_A_NAME: usize = 60;
 
+/// The most characters of a message.
+pub const MOST_OF_A_MESSAGE: usize = 2000;
+
 /// `text` as a terminal may show it: what controls it is escaped, and characters beyond the first `most` are left out.
 ///
 /// Escaped are control characters, and the invisible ones that change the direction or the order of a line.

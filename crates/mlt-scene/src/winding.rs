@@ -165,3 +165,138 @@ impl Sets {
         self.0[a.max(b) as usize] = a.min(b);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use mlt_core::transport::bsdf::{Dielectric, Lambert};
+
+    /// A unit ball about `centre` with its own vertices at each triangle, counter-clockwise from outside.
+    fn ball(centre: DVec3) -> Mesh {
+        const RINGS: u32 = 8;
+        let point = |ring: u32, spoke: u32| {
+            let (polar, azimuth) =
+                (f64::from(ring) / f64::from(RINGS), f64::from(spoke % (2 * RINGS)) / f64::from(RINGS));
+            let (polar, azimuth) = (polar * std::f64::consts::PI, azimuth * std::f64::consts::PI);
+            DVec3::new(polar.sin() * azimuth.cos(), polar.cos(), -polar.sin() * azimuth.sin())
+        };
+        let mut mesh = Mesh { name: "ball".to_owned(), ..Mesh::default() };
+        for (ring, spoke) in (0..RINGS).flat_map(|ring| (0..2 * RINGS).map(move |spoke| (ring, spoke))) {
+            let [a, b] = [point(ring, spoke), point(ring, spoke + 1)];
+            let [c, d] = [point(ring + 1, spoke), point(ring + 1, spoke + 1)];
+            let halves = [(ring > 0, [a, c, b]), (ring < RINGS - 1, [b, c, d])];
+            for corners in halves.into_iter().filter(|half| half.0).map(|half| half.1) {
+                let first = mesh.positions.len() as u32;
+                mesh.triangles.push([first, first + 1, first + 2]);
+                mesh.positions.extend(corners.map(|p| centre + p));
+                mesh.normals.extend(corners.map(DVec3::as_vec3));
+            }
+        }
+        mesh
+    }
+
+    fn swap(mesh: &mut Mesh, which: impl Fn(usize) -> bool) {
+        let triangles = mesh.triangles.iter_mut().enumerate();
+        triangles.filter(|(i, _)| which(*i)).for_each(|(_, t)| t.swap(1, 2));
+    }
+
+    fn together(a: Mesh, b: Mesh) -> Mesh {
+        let first = a.positions.len() as u32;
+        Mesh {
+            positions: [a.positions, b.positions].concat(),
+            normals: [a.normals, b.normals].concat(),
+            triangles: [a.triangles, b.triangles.iter().map(|t| t.map(|i| i + first)).collect()].concat(),
+            ..a
+        }
+    }
+
+    /// Triangles that face inwards of the balls about the origin and (5, 0, 0), and the warnings, of a mesh of glass.
+    fn inwards(mesh: Mesh) -> (usize, Vec<String>) {
+        let glass = Bsdf::Dielectric(Dielectric { ior: 1.5, tint: Rgb::ONE });
+        let material = Material { name: String::new(), bsdf: glass, emission: Rgb::ZERO, emits_both_sides: false };
+        let mut scene = SceneDescription { meshes: vec![mesh], materials: vec![material], cameras: Vec::new() };
+        let mut warnings = Vec::new();
+        follow_normals(&mut scene, &mut warnings);
+        let mesh = &scene.meshes[0];
+        let is_inwards = |t: &&[u32; 3]| {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            let centre = if a.x > 2.5 { DVec3::new(5.0, 0.0, 0.0) } else { DVec3::ZERO };
+            (b - a).cross(c - a).dot(a + b + c - 3.0 * centre) < 0.0
+        };
+        (mesh.triangles.iter().filter(is_inwards).count(), warnings)
+    }
+
+    #[test]
+    fn a_right_ball_stays_as_it_is() {
+        assert_eq!(inwards(ball(DVec3::ZERO)), (0, vec![]));
+        let mut flat = ball(DVec3::ZERO);
+        swap(&mut flat, |_| true);
+        flat.normals.clear();
+        assert_eq!(inwards(flat), (224, vec![]), "without normals the winding decides");
+    }
+
+    #[test]
+    fn opposed_triangles_are_turned_all_or_some() {
+        for opposed in [|_| true, |i| i % 2 == 0, |i| i % 7 == 0, |i| i > 100] as [fn(usize) -> bool; 4] {
+            let mut mesh = ball(DVec3::ZERO);
+            swap(&mut mesh, opposed);
+            let (left, warnings) = inwards(mesh);
+            let count = (0..224).filter(|&i| opposed(i)).count();
+            assert_eq!(left, 0);
+            assert!(
+                warnings.len() == 1 && warnings[0].contains(&format!("{count} of its 224 triangles")),
+                "{warnings:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn each_piece_of_a_mesh_is_judged_by_itself() {
+        let (mut opposed, right) = (ball(DVec3::ZERO), ball(DVec3::new(5.0, 0.0, 0.0)));
+        swap(&mut opposed, |_| true);
+        assert_eq!(inwards(together(opposed, right)).0, 0);
+    }
+
+    /// Turning single triangles of a surface that is wound as one would make holes in it.
+    #[test]
+    fn normals_that_contradict_each_other_turn_nothing() {
+        for (every, doubtful) in [(20, false), (2, true)] {
+            let mut mesh = ball(DVec3::ZERO);
+            let wrong: Vec<_> = mesh.triangles.iter().step_by(every).copied().collect();
+            wrong.iter().flatten().for_each(|&i| mesh.normals[i as usize] = -mesh.normals[i as usize]);
+            let (left, warnings) = inwards(mesh);
+            assert_eq!(left, 0);
+            assert_eq!(
+                warnings[0].contains("where they contradict each other the winding decides"),
+                doubtful,
+                "{warnings:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn only_what_has_an_outside_is_turned() {
+        let material = |emission, emits_both_sides| Material {
+            name: String::new(),
+            bsdf: Bsdf::Lambert(Lambert { reflectance: Rgb::ONE }),
+            emission,
+            emits_both_sides,
+        };
+        for (material, turned) in
+            [(material(Rgb::ZERO, false), false), (material(Rgb::ONE, true), false), (material(Rgb::ONE, false), true)]
+        {
+            let mut mesh = Mesh {
+                positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+                normals: vec![Vec3::NEG_Z; 3],
+                triangles: vec![[0, 1, 2]],
+                ..Mesh::default()
+            };
+            mesh.name = "lamp".to_owned();
+            let mut scene = SceneDescription { meshes: vec![mesh], materials: vec![material], cameras: Vec::new() };
+            let mut warnings = Vec::new();
+            follow_normals(&mut scene, &mut warnings);
+            assert_eq!((scene.meshes[0].triangles[0] == [0, 2, 1], !warnings.is_empty()), (turned, turned));
+        }
+    }
+}

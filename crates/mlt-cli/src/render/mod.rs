@@ -14,6 +14,7 @@ mod trust;
 use std::{io::Write, time::Duration};
 
 use anyhow::Context;
+use mlt_scene::printable;
 
 use crate::{
     Failure, args::render::RenderOptions, image::Image, interrupt::Interrupt, print, report::Report, warn, warn_all,
@@ -76,7 +77,8 @@ fn show(options: &RenderOptions, report: &Report) -> Result<(), Failure> {
         let json = serde_json::to_string_pretty(report).context("cannot encode the report")?;
         print(&(json + "\n"))?;
     } else if !options.quiet {
-        print(&report.to_string())?;
+        let lines: String = report.to_string().lines().map(|line| printable(line, usize::MAX) + "\n").collect();
+        print(&lines)?;
     }
     Ok(())
 }

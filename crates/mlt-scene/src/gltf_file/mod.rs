@@ -15,7 +15,6 @@ mod unsupported;
 use crate::{Loaded, SceneError, geometry::GeometrySize, source::Source};
 use accessor::Reader;
 use buffer::Buffers;
-use gltf::Semantic;
 use graph::{Graph, Placed};
 use mlt_core::transport::{description::SceneDescription, mesh::Mesh};
 use parse::Parsed;
@@ -68,8 +67,7 @@ fn surfaces(
 fn take_memory(source: &Source, nodes: &[Placed]) -> Result<(), SceneError> {
     let mut size = GeometrySize::default();
     for primitive in nodes.iter().filter_map(|(node, _)| node.mesh()).flat_map(|m| m.primitives()) {
-        let positions = primitive.get(&Semantic::Positions);
-        size.add(primitive::triangle_count(&primitive), positions.map_or(0, |a| a.count()));
+        size.add(primitive::triangle_count(&primitive), primitive.material().emissive_factor() != [0.0; 3]);
     }
     size.take(source)
 }
