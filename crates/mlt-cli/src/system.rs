@@ -5,6 +5,9 @@ use std::fs;
 use anyhow::anyhow;
 use mlt_core::memory::{Memory, Shortage};
 
+/// Addresses that a thread reserves for its stack and its share of the heap, bytes: 2 MiB and glibc's 64 MiB.
+const ADDRESSES_PER_THREAD: u64 = 66 << 20;
+
 /// The memory that this process may still take without the system ending it; unlimited where the system does not say.
 pub fn memory() -> Memory {
     available_memory().map_or_else(Memory::unlimited, Memory::of)
@@ -30,9 +33,15 @@ fn too_large(what: &str, shortage: Shortage) -> anyhow::Error {
 /// limit, and of what the process's own limits (`ulimit -v`, `-d`) leave.
 fn available_memory() -> Option<u64> {
     let system = available_in_meminfo(&fs::read_to_string("/proc/meminfo").ok()?)?;
-    let address_space = process_rest("Max address space", "VmSize:");
+    let address_space = process_rest("Max address space", "VmSize:").map(beside_threads);
     let data = process_rest("Max data size", "VmData:");
     [Some(system), control_group_rest(), address_space, data].into_iter().flatten().min()
+}
+
+/// What is left of an address space when the threads of two pools have taken theirs, or half of it if that is more.
+fn beside_threads(bytes: u64) -> u64 {
+    let threads = 2 * std::thread::available_parallelism().map_or(1, usize::from) as u64;
+    bytes.saturating_sub(threads * ADDRESSES_PER_THREAD).max(bytes / 2)
 }
 
 /// What a limit of the process leaves beside what it holds of that kind.
