@@ -46,9 +46,7 @@ impl Setup {
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;
         edit(&mut loaded.description);
         let mut warnings = std::mem::take(&mut loaded.warnings);
-        // What was left out may be why it fails.
-        let seen = seen(options, loaded, &memory, &mut warnings).inspect_err(|_| warn_all(&warnings));
-        let (scene, camera) = seen?;
+        let (scene, camera) = seen(options, loaded, &memory, &mut warnings)?;
         Ok(Self { name: options.scene.display().to_string(), scene, camera, warnings, memory })
     }
 }
@@ -60,15 +58,21 @@ fn seen(
     memory: &Memory,
     warnings: &mut Vec<String>,
 ) -> Result<(Scene, Camera), Failure> {
-    let pose = pose(options, &loaded.description, warnings)?;
+    let framed = options.camera_from.is_none() && loaded.description.cameras.is_empty();
+    let pose = pose(options, &loaded.description)?;
     let size = size(options, &pose);
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     take_memory(memory, pixels * BYTES_PER_PIXEL, &format!("an image of {}x{}", size[0], size[1]))?;
     let scene = Scene::new(loaded.description).map_err(|error| unusable(error, loaded.lights_left_out));
-    let scene = scene.with_context(|| options.scene.display().to_string())?;
+    // What was left out may be why it fails.
+    let scene = scene.with_context(|| options.scene.display().to_string()).inspect_err(|_| warn_all(warnings))?;
     let camera = scene.camera(&pose, size);
     if scene.dropped() > 0 {
         warnings.push(format!("{} triangles have a corner that is not finite; they are left out", scene.dropped()));
+    }
+    if framed {
+        let words = "no camera in the file can be used, so the scene is framed whole";
+        warnings.push(format!("{words}; --camera-from and --camera-to choose a view"));
     }
     Ok((scene, camera))
 }
@@ -83,7 +87,7 @@ fn unusable(error: SceneError, lights_left_out: usize) -> anyhow::Error {
     }
 }
 
-fn pose(options: &RenderOptions, scene: &SceneDescription, warnings: &mut Vec<String>) -> Result<CameraPose, Failure> {
+fn pose(options: &RenderOptions, scene: &SceneDescription) -> Result<CameraPose, Failure> {
     let fov = options.fov.map(|degrees| degrees.to_radians() as f32);
     if let (Some(from), Some(to)) = (options.camera_from, options.camera_to) {
         let [from, to] = [from, to].map(DVec3::from_array);
@@ -99,11 +103,6 @@ fn pose(options: &RenderOptions, scene: &SceneDescription, warnings: &mut Vec<St
         None => match scene.cameras.first() {
             Some(camera) => camera.clone(),
             None => {
-                warnings.push(
-                    "no camera in the file can be used, so the scene is framed whole; \
-                     --camera-from and --camera-to choose a view"
-                        .to_owned(),
-                );
                 let bounds = mlt_scene::bounds(scene)
                     .with_context(|| format!("{}: the scene has no triangle", options.scene.display()))?;
                 mlt_scene::camera_framing(bounds)
