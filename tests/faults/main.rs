@@ -5,7 +5,6 @@
 mod controls;
 mod energy;
 mod errors;
-mod errors;
 mod geometry;
 mod gltf;
 mod obj;
