@@ -6,6 +6,7 @@ mod controls;
 mod energy;
 mod errors;
 mod geometry;
+mod errors;
 mod gltf;
 mod obj;
 mod opacity;

@@ -80,15 +80,22 @@ impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<P, N> {
     }
 }
 
-/// Numbers the vertices in use from 0 on; returns their former numbers, ascending.
+/// Numbers the vertices in the order of their use; returns their former numbers.
 ///
 /// The work depends on how many corners there are, and not on how far apart their vertices lie in the file.
 fn renumber(triangles: &mut [[u32; 3]]) -> Vec<u32> {
-    let mut used = triangles.as_flattened().to_vec();
-    used.sort_unstable();
-    used.dedup();
+    let mut sorted = triangles.as_flattened().to_vec();
+    sorted.sort_unstable();
+    sorted.dedup();
+    let mut numbers = vec![u32::MAX; sorted.len()];
+    let mut used = Vec::with_capacity(sorted.len());
     for corner in triangles.as_flattened_mut() {
-        *corner = used.partition_point(|former| former < corner) as u32;
+        let number = &mut numbers[sorted.partition_point(|former| former < corner)];
+        if *number == u32::MAX {
+            *number = used.len() as u32;
+            used.push(*corner);
+        }
+        *corner = *number;
     }
     used
 }

@@ -214,7 +214,8 @@ mod tests {
     /// Triangles that face inwards of the balls about the origin and (5, 0, 0), and the warnings, of a mesh of glass.
     fn inwards(mesh: Mesh) -> (usize, Vec<String>) {
         let glass = Bsdf::Dielectric(Dielectric { ior: 1.5, tint: Rgb::ONE });
-        let material = Material { name: String::new(), bsdf: glass, emission: Rgb::ZERO, emits_both_sides: false };
+        let material =
+            Material { name: String::new(), bsdf: glass, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 };
         let mut scene = SceneDescription { meshes: vec![mesh], materials: vec![material], cameras: Vec::new() };
         let mut warnings = Vec::new();
         follow_normals(&mut scene, &mut warnings);
@@ -282,6 +283,7 @@ mod tests {
             bsdf: Bsdf::Lambert(Lambert { reflectance: Rgb::ONE }),
             emission,
             emits_both_sides,
+            opacity: 1.0,
         };
         for (material, turned) in
             [(material(Rgb::ZERO, false), false), (material(Rgb::ONE, true), false), (material(Rgb::ONE, false), true)]
