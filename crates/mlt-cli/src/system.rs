@@ -13,10 +13,15 @@ pub fn memory() -> Memory {
     available_memory().map_or_else(Memory::unlimited, Memory::of)
 }
 
-/// Refuses work that needs more memory than is left for a while.
+/// Refuses work that needs more memory than is available.
 ///
 /// `bytes`: what the work will allocate; `what`: what it is for, the subject of the message.
-pub fn require_memory(memory: &Memory, bytes: u64, what: &str) -> anyhow::Result<()> {
+pub fn require_memory(bytes: u64, what: &str) -> anyhow::Result<()> {
+    check_memory(&memory(), bytes, what)
+}
+
+/// The same within a budget, for what is soon freed.
+pub fn check_memory(memory: &Memory, bytes: u64, what: &str) -> anyhow::Result<()> {
     memory.check(bytes).map_err(|shortage| too_large(what, shortage))
 }
 
@@ -96,8 +101,8 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn more_memory_than_exists_is_refused() {
-        assert!(require_memory(&memory(), 1 << 20, "a small film").is_ok());
-        let message = require_memory(&memory(), 1 << 60, "a film of 65536x65536").unwrap_err().to_string();
+        assert!(require_memory(1 << 20, "a small film").is_ok());
+        let message = require_memory(1 << 60, "a film of 65536x65536").unwrap_err().to_string();
         assert!(message.starts_with("a film of 65536x65536 needs 1073741824.0 GiB"), "{message}");
     }
 

@@ -137,7 +137,7 @@ fn check_size(width: usize, height: usize, bytes_per_pixel: u64) -> anyhow::Resu
         bail!("an image of {width}x{height} is outside 1x1 to {MAX_SIDE}x{MAX_SIDE}");
     }
     let bytes = width as u64 * height as u64 * bytes_per_pixel;
-    crate::require_memory(&crate::memory(), bytes, &format!("an image of {width}x{height}"))
+    crate::require_memory(bytes, &format!("an image of {width}x{height}"))
 }
 
 #[cfg(test)]

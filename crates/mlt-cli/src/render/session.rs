@@ -23,12 +23,11 @@ use super::{
 use crate::{
     Failure,
     args::render::{self, RenderOptions},
-    cpu_seconds,
+    check_memory, cpu_seconds,
     interrupt::Interrupt,
     progress::Progress,
     report::Report,
     report::{Agreement, Decision},
-    require_memory,
 };
 
 /// Time that is enough to measure the speed.
@@ -157,5 +156,5 @@ fn require_memory_for_round(method: render::Method, per_pixel: f64, setup: &Setu
         true => per_pixel * f64::from(setup.camera.pixels()) * BYTES_PER_MUTATION,
         false => per_pixel * rayon::current_num_threads() as f64 * BYTES_PER_SAMPLE,
     };
-    require_memory(&setup.memory, bytes as u64, &format!("a round of {per_pixel} {} per pixel", method.unit()))
+    check_memory(&setup.memory, bytes as u64, &format!("a round of {per_pixel} {} per pixel", method.unit()))
 }
