@@ -3,7 +3,10 @@
 mod scene_support;
 
 use glam::{DVec3, Vec3};
-use mlt_core::transport::{bsdf::Bsdf, mesh::Mesh};
+use mlt_core::{
+    memory::Memory,
+    transport::{bsdf::Bsdf, mesh::Mesh},
+};
 use scene_support::{Document, f32s, load_files};
 use serde_json::{Value, json};
 
@@ -44,6 +47,8 @@ fn text_binary_and_data_uri_say_the_same() {
     for uri in [
         format!("data:application/octet-stream;base64,{encoded}"),
         format!("data:;base64,{}", encoded.trim_end_matches('=')),
+        format!("DATA:application/octet-stream;Base64,{encoded}"),
+        format!("data:application/octet-stream;charset=utf-8; base64, {}\r\n\t{}\n", &encoded[..30], &encoded[30..]),
         format!("data:application/gltf-buffer,{percent}"),
     ] {
         let loaded = document.clone().with("/buffers/0/uri", uri.into()).loaded();
@@ -52,13 +57,114 @@ fn text_binary_and_data_uri_say_the_same() {
 }
 
 #[test]
-fn file_names_are_percent_decoded_and_may_lie_in_a_sub_folder() {
-    let folder = tempfile::TempDir::new().unwrap();
-    let document = Document::new().with("/buffers/0/uri", "./parts/my%20part.bin".into());
-    document.write(folder.path());
-    std::fs::create_dir(folder.path().join("parts")).unwrap();
-    std::fs::rename(folder.path().join("scene.bin"), folder.path().join("parts/my part.bin")).unwrap();
-    mlt_scene::load(&folder.path().join("scene.gltf")).unwrap();
+fn file_names_are_percent_decoded_or_taken_as_they_are_and_may_lie_in_a_sub_folder() {
+    for (uri, name) in [
+        ("./parts/my%20part.bin", "my part.bin"),
+        ("parts/my part.bin", "my part.bin"),
+        ("parts/my%20part.bin", "my%20part.bin"),
+        ("parts/100%.bin", "100%.bin"),
+    ] {
+        let folder = tempfile::TempDir::new().unwrap();
+        Document::new().with("/buffers/0/uri", uri.into()).write(folder.path());
+        std::fs::create_dir(folder.path().join("parts")).unwrap();
+        std::fs::rename(folder.path().join("scene.bin"), folder.path().join("parts").join(name)).unwrap();
+        mlt_scene::load(&folder.path().join("scene.gltf")).unwrap_or_else(|error| panic!("{uri}: {error}"));
+    }
+}
+
+#[test]
+fn a_container_may_be_padded_with_nuls_and_hold_chunks_of_other_kinds() {
+    let document = Document::new();
+    let text = format!("{:?}", document.loaded().description);
+    let glb = document.glb();
+    let json_length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let (head, binary) = glb.split_at(20 + json_length);
+    let mut padded = [head, &[0; 8], binary].concat();
+    padded[12..16].copy_from_slice(&(json_length as u32 + 8).to_le_bytes());
+    let other = [head, b"\x04\0\0\0OTHR1234", binary, b"\0\0\0\0MORE"].concat();
+    for mut glb in [padded, other] {
+        let length = glb.len() as u32;
+        glb[8..12].copy_from_slice(&length.to_le_bytes());
+        assert_eq!(text, format!("{:?}", load_files(&[("scene.glb", &glb)]).unwrap().description));
+    }
+    let error = load_files(&[("scene.glb", &glb[..glb.len() - 4])]).unwrap_err().to_string();
+    assert!(error.contains("a chunk of 80 bytes is announced and 76 are there"), "{error}");
+}
+
+#[test]
+fn only_what_is_used_is_read() {
+    let nothing = json!({ "byteLength": 4 });
+    let missing = json!({ "byteLength": 4, "uri": "missing.bin" });
+    let image = json!({ "uri": "missing.png" });
+    let unused = Document::new()
+        .with("/buffers/-", nothing)
+        .with("/buffers/-", missing)
+        .with("/bufferViews/-", json!({ "buffer": 2, "byteLength": 4 }))
+        .with("/accessors/-", json!({ "bufferView": 3, "componentType": 5130, "count": 4, "type": "SCALAR" }))
+        .with("/images", json!([image]));
+    only_mesh(&unused);
+    assert!(unused.with("/accessors/0/bufferView", 3.into()).error().contains("missing.bin"));
+}
+
+#[test]
+fn unknown_parts_that_are_not_needed_do_no_harm() {
+    let reference = only_mesh(&Document::new());
+    let pointer = json!({ "channels": [{ "sampler": 0, "target": { "path": "pointer" } }],
+                          "samplers": [{ "input": 0, "output": 0 }] });
+    for (feature, document) in [
+        ("animations", Document::new().with("/animations", json!([pointer]))),
+        ("the skin", Document::new().with("/skins", json!([{}])).with("/nodes/0/skin", 0.into())),
+        (
+            "baseColorTexture",
+            Document::new()
+                .with("/textures", json!([{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }]))
+                .with("/materials/0/pbrMetallicRoughness", json!({ "baseColorTexture": { "index": 0 } })),
+        ),
+    ] {
+        warning(&document, feature);
+        assert_eq!(document.loaded().description.meshes[0].positions, reference.positions);
+    }
+    let silent = Document::new()
+        .with("/meshes/0/primitives/0/attributes/KHR_gaussian_splatting:SCALE", 0.into())
+        .with("/accessors/0/count", 3.0.into())
+        .with("/nodes/0/mesh", 0.0.into())
+        .with("/scenes/-", json!({ "name": "nothing in it" }))
+        .with("/samplers", json!([{ "wrapS": 1 }]))
+        .with("/extensionsRequired", json!(["KHR_draco_mesh_compression_of_another_name"]));
+    assert_eq!(only_mesh(&silent).positions, reference.positions);
+}
+
+#[test]
+fn compressed_meshes_are_refused_where_they_have_no_other_data() {
+    let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 2, "attributes": { "POSITION": 0 } } });
+    let with_data = Document::new()
+        .with("/extensionsUsed", json!(["KHR_draco_mesh_compression"]))
+        .with("/meshes/0/primitives/0/extensions", draco);
+    only_mesh(&with_data);
+    let mut alone = with_data;
+    alone.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    let error = alone.error();
+    assert!(error.contains("compressed by KHR_draco_mesh_compression") && error.contains("without compression"));
+
+    let meshopt = json!({ "byteLength": 80, "extensions": { "EXT_meshopt_compression": { "fallback": true } } });
+    let error = Document::new().with("/buffers/0", meshopt).error();
+    assert!(error.contains("compressed by EXT_meshopt_compression"), "{error}");
+}
+
+#[test]
+fn cameras_outside_the_scene_stand_behind_those_in_it() {
+    let names = |document: &Document| -> Vec<_> {
+        document.loaded().description.cameras.into_iter().map(|camera| camera.name).collect()
+    };
+    let with_another = Document::new()
+        .with("/nodes/-", json!({ "name": "rig", "children": [3], "translation": [1, 0, 0] }))
+        .with("/nodes/-", json!({ "name": "other", "camera": 0, "translation": [0, 2, 0] }));
+    assert_eq!(names(&with_another), ["eye", "other"]);
+    assert!(with_another.loaded().warnings.is_empty());
+    let outside = with_another.with("/scenes/0/nodes", json!([0]));
+    assert_eq!(names(&outside), ["eye", "other"]);
+    warning(&outside, "no camera; `eye`, which stands outside of it, is taken");
+    assert_eq!(outside.loaded().description.cameras[1].position, DVec3::new(1.0, 2.0, 0.0));
 }
 
 #[test]
@@ -189,6 +295,9 @@ fn what_is_left_out_is_named() {
     let coated = coated.with("/extensionsUsed", json!(["KHR_materials_clearcoat", "EXT_mesh_gpu_instancing"]));
     warning(&coated, "left out: attenuation in the volume, KHR_materials_clearcoat");
     warning(&coated, "extension EXT_mesh_gpu_instancing");
+    let instances = json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 0 } } });
+    let copied = coated.with("/nodes/0/extensions", instances);
+    warning(&copied, "`thing`: not supported and left out: the copies of its mesh by EXT_mesh_gpu_instancing");
 
     let lit = Document::new()
         .with("/extensions", json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "name": "bulb" }] } }))
@@ -200,6 +309,7 @@ fn what_is_left_out_is_named() {
         .with("/animations", json!([{ "channels": [], "samplers": [] }]));
     warning(&lit, "light `bulb`, the skin, morph targets, vertex colours");
     warning(&lit, "animations");
+    assert_eq!((lit.loaded().lights_left_out, Document::new().loaded().lights_left_out), (1, 0));
     warning(
         &Document::new().with("/materials/0/emissiveFactor", json!([-1, 0, -2])),
         "emission is [-1, 0, -2]; [0, 0, 0]",
@@ -258,8 +368,9 @@ fn what_cannot_be_is_refused_with_a_reason() {
         ("/buffers/0/byteLength", 81.into(), "81 bytes are announced and 80"),
         ("/buffers/0/uri", "missing.bin".into(), "missing.bin"),
         ("/buffers/0/uri", Value::Null, "buffers[0]"),
-        ("/buffers/0/uri", "%ff.bin".into(), "UTF-8"),
-        ("/buffers/0/uri", "%f".into(), "percent"),
+        ("/buffers/0/uri", "%ff.bin".into(), "cannot be read"),
+        ("/buffers/0/uri", "%f".into(), "cannot be read"),
+        ("/buffers/0/uri", "data:,%f".into(), "percent"),
         ("/buffers/0/uri", "a%00b".into(), "cannot be read"),
         ("/buffers/0/uri", "".into(), "regular file"),
         ("/buffers/0/uri", "data:;base64,####".into(), "base64"),
@@ -341,7 +452,80 @@ fn a_small_file_cannot_ask_for_much_memory() {
     let thing = crowd.json["nodes"][0].clone();
     crowd.json["nodes"].as_array_mut().unwrap().extend(vec![thing; 500]);
     let crowd = crowd.with("/scenes/0/nodes", (2..500).collect::<Vec<_>>().into());
-    assert!(crowd.error().contains("corners of the scene so far exceed the limit"));
+    assert!(crowd.error().contains("triangles exceed the limit"));
+}
+
+/// A few vertices of many, in a file of zeros.
+#[test]
+fn the_work_depends_on_what_is_drawn() {
+    const VERTICES: u64 = 1 << 24;
+    let accessor =
+        json!({ "bufferView": 3, "componentType": 5121, "normalized": true, "count": VERTICES, "type": "VEC3" });
+    let mut wide = Document::new()
+        .with("/bufferViews/-", json!({ "buffer": 1, "byteStride": 4, "byteLength": 4 * VERTICES }))
+        .with("/buffers/-", json!({ "uri": "zeros.bin", "byteLength": 4 * VERTICES }))
+        .with("/accessors/0", accessor)
+        .with("/accessors/2/componentType", 5125.into())
+        .with_view(&[0, (VERTICES - 1) as u32, 1].map(u32::to_le_bytes).concat())
+        .with("/accessors/2/bufferView", 4.into());
+    wide.json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
+    let thing = wide.json["nodes"][0].clone();
+    wide.json["nodes"].as_array_mut().unwrap().extend(vec![thing; 2000]);
+    let wide = wide.with("/scenes/0/nodes", (2..2000).collect::<Vec<_>>().into());
+    let folder = tempfile::TempDir::new().unwrap();
+    wide.write(folder.path());
+    std::fs::File::create(folder.path().join("zeros.bin")).unwrap().set_len(4 * VERTICES).unwrap();
+    let start = std::time::Instant::now();
+    let loaded = mlt_scene::load(&folder.path().join("scene.gltf")).unwrap();
+    assert!(loaded.description.meshes.is_empty(), "all of a triangle's corners lie in one place");
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+}
+
+#[test]
+fn a_scene_takes_its_memory_from_the_budget_or_is_refused() {
+    let indices = json!({ "componentType": 5125, "count": 999_999, "type": "SCALAR", "sparse":
+        { "count": 1, "indices": { "bufferView": 2, "componentType": 5123 }, "values": { "bufferView": 0 } } });
+    let mut crowd = Document::new().with("/accessors/2", indices);
+    let thing = crowd.json["nodes"][0].clone();
+    crowd.json["nodes"].as_array_mut().unwrap().extend(vec![thing; 300]);
+    let crowd = crowd.with("/scenes/0/nodes", (2..302).collect::<Vec<_>>().into());
+    let refusal = |document: &Document, bytes| {
+        let folder = tempfile::TempDir::new().unwrap();
+        document.write(folder.path());
+        let error =
+            mlt_scene::open_within(folder.path().join("scene.gltf"), &Memory::of(bytes)).unwrap_err().to_string();
+        scene_support::check_sentence(&error);
+        error
+    };
+    let error = refusal(&crowd, 4 << 30);
+    assert!(error.contains("the geometry of 99999900 triangles needs 39.1 GiB of memory and 4.0 GiB are"), "{error}");
+    let small = Document::new();
+    let size = small.json.to_string().len() as u64;
+    assert!(refusal(&small, size - 1).contains("the file needs"));
+    assert!(refusal(&small, size + 1).contains("the JSON of"));
+    let folder = tempfile::TempDir::new().unwrap();
+    small.write(folder.path());
+    mlt_scene::open_within(folder.path().join("scene.gltf"), &Memory::of(1 << 20)).unwrap();
+}
+
+#[test]
+fn names_in_messages_are_short_and_control_no_terminal() {
+    let name = "\u{1b}[31m\n\u{9b}".to_owned() + &"x".repeat(1 << 20);
+    let named = Document::new()
+        .with("/nodes/0/name", name.clone().into())
+        .with("/nodes/0/extensions", json!({ name.clone(): {} }))
+        .with("/materials/0", json!({ "name": name, "pbrMetallicRoughness": { "roughnessFactor": 7 } }))
+        .with("/extensionsUsed", json!([name]));
+    let loaded = named.loaded();
+    let scene = &loaded.description;
+    for text in loaded.warnings.iter().chain([&scene.meshes[0].name, &scene.materials[0].name]) {
+        assert!(text.len() < 300 && text.contains("\\u{1b}[31m\\n\\u{9b}xxx"), "{text}");
+    }
+    assert_eq!(loaded.warnings.len(), 2);
+    for pointer in ["/asset/version", "/scene"] {
+        let error = named.clone().with(pointer, name.clone().into()).load().unwrap_err().to_string();
+        assert!(error.len() < 1000, "{pointer}: {}", &error[..1000]);
+    }
 }
 
 #[test]

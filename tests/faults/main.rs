@@ -3,10 +3,11 @@
 //! `data/` holds the scenes, a folder each; its README says what each is and where its value comes from.
 
 mod controls;
-mod errors;
-mod geometry;
 mod energy;
 mod errors;
+mod geometry;
+mod errors;
+mod gltf;
 mod obj;
 mod opacity;
 mod paths;

@@ -2,7 +2,7 @@
 
 use std::{
     path::{Path, PathBuf},
-    process::Command,
+    process::{Command, Output},
 };
 
 use serde_json::Value;
@@ -34,18 +34,30 @@ pub fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/faults/data").join(name)
 }
 
-/// Renders a file of `data/` with these further arguments; the render must succeed.
+/// Renders a file of `data/`, or one at an absolute path, with these further arguments; the render must succeed.
 pub fn render(name: &str, arguments: &str) -> Render {
+    let output = run(name, arguments);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{name} {arguments}: {said}");
+    Render { report: serde_json::from_slice(&output.stdout).expect("JSON on standard output"), said }
+}
+
+/// What the program says of a file that it must refuse, on standard error.
+pub fn refusal(name: &str, arguments: &str) -> String {
+    let output = run(name, arguments);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(matches!(output.status.code(), Some(1 | 2)), "{name} {arguments}: {said}");
+    said
+}
+
+fn run(name: &str, arguments: &str) -> Output {
     let folder = tempfile::tempdir().expect("a folder");
-    let output = Command::new(env!("CARGO_BIN_EXE_mlt"))
+    Command::new(env!("CARGO_BIN_EXE_mlt"))
         .current_dir(folder.path())
         .arg("render")
         .arg(data(name))
         .args(arguments.split_whitespace())
         .args(["--json", "-o", "image.exr"])
         .output()
-        .expect("mlt starts");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{name} {arguments}: {said}");
-    Render { report: serde_json::from_slice(&output.stdout).expect("JSON on standard output"), said }
+        .expect("mlt starts")
 }

@@ -21,8 +21,8 @@ mod terminal;
 pub mod verify;
 
 pub use exit::Failure;
-pub use system::{cpu_seconds, require_memory};
-pub use terminal::{print, warn};
+pub use system::{check_memory, cpu_seconds, memory, require_memory, take_memory};
+pub use terminal::{print, warn, warn_all};
 
 /// Runs the program with the arguments of this process.
 pub fn main() -> ExitCode {

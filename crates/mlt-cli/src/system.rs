@@ -2,29 +2,62 @@
 
 use std::fs;
 
-use anyhow::bail;
+use anyhow::anyhow;
+use mlt_core::memory::{Memory, Shortage};
 
-const GIB: f64 = (1_u64 << 30) as f64;
+/// Addresses that a thread reserves for its stack and its share of the heap, bytes: 2 MiB and glibc's 64 MiB.
+const ADDRESSES_PER_THREAD: u64 = 66 << 20;
 
-/// Refuses work that needs more memory than is available, before the system ends the process for it.
-///
-/// `bytes`: what the work will allocate; `what`: what it is for, the subject of the message. Does nothing where the
-/// system does not say how much memory it has.
-pub fn require_memory(bytes: u64, what: &str) -> anyhow::Result<()> {
-    match available_memory() {
-        Some(available) if bytes > available => bail!(
-            "{what} needs {:.1} GiB of memory and {:.1} GiB are available; choose a smaller size",
-            bytes as f64 / GIB,
-            available as f64 / GIB
-        ),
-        _ => Ok(()),
-    }
+/// The memory that this process may still take without the system ending it; unlimited where the system does not say.
+pub fn memory() -> Memory {
+    available_memory().map_or_else(Memory::unlimited, Memory::of)
 }
 
-/// Memory that can be allocated without swapping, bytes: the system's, or what is left of the control group's limit.
+/// Refuses work that needs more memory than is available.
+///
+/// `bytes`: what the work will allocate; `what`: what it is for, the subject of the message.
+pub fn require_memory(bytes: u64, what: &str) -> anyhow::Result<()> {
+    check_memory(&memory(), bytes, what)
+}
+
+/// The same within a budget, for what is soon freed.
+pub fn check_memory(memory: &Memory, bytes: u64, what: &str) -> anyhow::Result<()> {
+    memory.check(bytes).map_err(|shortage| too_large(what, shortage))
+}
+
+/// The same for good: nobody else gets that memory.
+pub fn take_memory(memory: &Memory, bytes: u64, what: &str) -> anyhow::Result<()> {
+    memory.take(bytes).map_err(|shortage| too_large(what, shortage))
+}
+
+fn too_large(what: &str, shortage: Shortage) -> anyhow::Error {
+    anyhow!("{what} {shortage}; choose a smaller size")
+}
+
+/// Memory that can be allocated without swapping, bytes: the least of the system's, of what is left of the control group's
+/// limit, and of what the process's own limits (`ulimit -v`, `-d`) leave.
 fn available_memory() -> Option<u64> {
     let system = available_in_meminfo(&fs::read_to_string("/proc/meminfo").ok()?)?;
-    Some(control_group_rest().map_or(system, |rest| rest.min(system)))
+    let address_space = process_rest("Max address space", "VmSize:").map(beside_threads);
+    let data = process_rest("Max data size", "VmData:");
+    [Some(system), control_group_rest(), address_space, data].into_iter().flatten().min()
+}
+
+/// What is left of an address space when the threads of two pools have taken theirs, or half of it if that is more.
+fn beside_threads(bytes: u64) -> u64 {
+    let threads = 2 * std::thread::available_parallelism().map_or(1, usize::from) as u64;
+    bytes.saturating_sub(threads * ADDRESSES_PER_THREAD).max(bytes / 2)
+}
+
+/// What a limit of the process leaves beside what it holds of that kind.
+fn process_rest(limit: &str, held: &str) -> Option<u64> {
+    let number = |text: &str| text.split_whitespace().next()?.parse::<u64>().ok();
+    let line = |file: &str, key: &str| {
+        let text = fs::read_to_string(file).ok()?;
+        text.lines().find_map(|line| number(line.strip_prefix(key)?))
+    };
+    let limit = line("/proc/self/limits", limit)?;
+    Some(limit.saturating_sub(1024 * line("/proc/self/status", held)?))
 }
 
 fn available_in_meminfo(meminfo: &str) -> Option<u64> {

@@ -19,6 +19,7 @@
 //! |---|---|
 //! | [`engine`] | Metropolis sampling of any state space, as traits. It knows no vector, no scene, no light. |
 //! | [`measure`] | Measures of the error of an image against a reference. |
+//! | [`memory`] | A budget of memory that all who allocate much of it share. |
 //! | [`primary`] | States that are the random numbers of any sampler, for the engine. |
 //! | `transport` | A renderer that is one user of those traits (feature `transport`, on by default). |
 //!
@@ -91,6 +92,7 @@
 pub mod engine;
 mod instructions;
 pub mod measure;
+pub mod memory;
 pub mod primary;
 #[cfg(feature = "transport")]
 pub mod transport;

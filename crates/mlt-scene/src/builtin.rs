@@ -1,6 +1,10 @@
 //! Scenes that are part of the program.
 
-use crate::{Loaded, SceneError, gltf_file, source::Source};
+use crate::{
+    Loaded, SceneError, gltf_file,
+    source::{Embedded, Source},
+};
+use mlt_core::memory::Memory;
 
 /// Names of the built-in scenes.
 pub const BUILTIN: &[&str] = &["cornell", "ring", "suzanne"];
@@ -16,11 +20,11 @@ macro_rules! embed {
 
 /// The built-in scene of that name; `None`: there is no such scene.
 pub fn builtin(name: &str) -> Option<Result<Loaded, SceneError>> {
-    let source = Source::embedded(match name {
+    let files: Embedded = match name {
         "cornell" => embed!("cornell"),
         "ring" => embed!("ring"),
         "suzanne" => embed!("suzanne"),
         _ => return None,
-    });
-    Some(gltf_file::load(&source))
+    };
+    Some(gltf_file::load(&Source::embedded(files, &Memory::unlimited())))
 }

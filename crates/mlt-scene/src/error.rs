@@ -1,6 +1,7 @@
 //! What can be wrong with a scene file.
 
 use crate::builtin::BUILTIN;
+use mlt_core::memory::Shortage;
 use std::{io, path::PathBuf};
 
 /// Why a scene was not loaded: one sentence that names the file, the place and the remedy.
@@ -59,7 +60,10 @@ pub enum SceneError {
         remedy: &'static str,
     },
     /// Geometry in an encoding that is not read.
-    #[error("{path}: the extension {extension} is not supported; export the scene again without mesh compression")]
+    #[error(
+        "{path}: the meshes are compressed by {extension}, which is not supported; export the scene again without \
+         compression (in Blender's glTF export: Data > Compression off)"
+    )]
     Compressed {
         /// The file.
         path: PathBuf,
@@ -87,6 +91,16 @@ pub enum SceneError {
         what: &'static str,
         /// How much is read at most.
         limit: u64,
+    },
+    /// More memory than there is.
+    #[error("{path}: {what} {shortage}; simplify the scene, or render it where more memory is free")]
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// What the memory is for.
+        what: String,
+        /// How much is missing.
+        shortage: Shortage,
     },
     /// A parser gave up on the input by panicking.
     #[error(

@@ -1,11 +1,35 @@
 //! From a file's vertices to a mesh that the renderer can rely on.
 
+use crate::{SceneError, source::Source, text::shown};
 use glam::{DVec3, Vec3};
-use mlt_core::transport::mesh::Mesh;
+use mlt_core::transport::{mesh::Mesh, scene::Scene};
 use std::collections::HashSet;
 
-/// The most triangles, or vertices, that a scene may have.
-pub(crate) const MAX_ELEMENTS: usize = 1 << 27;
+/// How many triangles a scene has, counted before they are made.
+#[derive(Default)]
+pub(crate) struct GeometrySize {
+    triangles: usize,
+    emitters: usize,
+}
+
+impl GeometrySize {
+    /// Counts the triangles of a mesh.
+    pub fn add(&mut self, triangles: usize, emit: bool) {
+        self.triangles = self.triangles.saturating_add(triangles);
+        self.emitters = self.emitters.saturating_add(if emit { triangles } else { 0 });
+    }
+
+    /// Takes the memory for them, or refuses the scene. The renderer's needs are greater than those of the mesh in the
+    /// making, at most 200 bytes a triangle, and come later.
+    pub fn take(&self, source: &Source) -> Result<(), SceneError> {
+        if self.triangles > Scene::MOST_TRIANGLES {
+            return Err(source.too_large("the scene", "triangles", Scene::MOST_TRIANGLES));
+        }
+        let bytes = [(self.triangles, Scene::BYTES_PER_TRIANGLE), (self.emitters, Scene::BYTES_PER_EMITTER)];
+        let bytes = bytes.iter().map(|&(count, each)| count as u64 * each).sum();
+        source.take(bytes, format!("the geometry of {} triangles", self.triangles))
+    }
+}
 
 /// The largest coordinate: areas and squared distances still fit f32.
 const MAX_COORDINATE: f64 = 1e9;
@@ -27,10 +51,7 @@ impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<P, N> {
     ///
     /// The material is left at 0 for the caller to set.
     pub fn finish(self, warnings: &mut Vec<String>) -> Option<Mesh> {
-        let corners = || self.triangles.iter().flatten().copied();
-        let (first, last) = (corners().min()?, corners().max()?);
-        let mut local = vec![u32::MAX; (last - first) as usize + 1];
-        let mut mesh = Mesh { name: self.name, ..Mesh::default() };
+        let mut mesh = Mesh { name: shown(&self.name), ..Mesh::default() };
         let (mut bad, mut lost) = (HashSet::new(), 0usize);
         for &corners in &self.triangles {
             let points = corners.map(&self.position);
@@ -38,20 +59,9 @@ impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<P, N> {
             if usable.contains(&false) {
                 lost += 1;
                 bad.extend((0..3).filter(|&k| !usable[k]).map(|k| corners[k]));
-                continue;
+            } else if (points[1] - points[0]).cross(points[2] - points[0]) != DVec3::ZERO {
+                mesh.triangles.push(corners);
             }
-            if (points[1] - points[0]).cross(points[2] - points[0]) == DVec3::ZERO {
-                continue;
-            }
-            mesh.triangles.push([0, 1, 2].map(|k| {
-                let slot = &mut local[(corners[k] - first) as usize];
-                if *slot == u32::MAX {
-                    *slot = mesh.positions.len() as u32;
-                    mesh.positions.push(points[k]);
-                    mesh.normals.extend(self.normal.as_ref().map(|normal| normal(corners[k]).normalize_or_zero()));
-                }
-                *slot
-            }));
         }
         if lost > 0 {
             let (name, count) = (&mesh.name, bad.len());
@@ -60,9 +70,34 @@ impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<P, N> {
                  the {lost} triangles that use them are dropped"
             ));
         }
+        let used = renumber(&mut mesh.triangles);
+        mesh.positions = used.iter().map(|&i| (self.position)(i)).collect();
+        if let Some(normal) = &self.normal {
+            mesh.normals = used.iter().map(|&i| normal(i).normalize_or_zero()).collect();
+        }
         repair_normals(&mut mesh, warnings);
         (!mesh.triangles.is_empty()).then_some(mesh)
     }
+}
+
+/// Numbers the vertices in the order of their use; returns their former numbers.
+///
+/// The work depends on how many corners there are, and not on how far apart their vertices lie in the file.
+fn renumber(triangles: &mut [[u32; 3]]) -> Vec<u32> {
+    let mut sorted = triangles.as_flattened().to_vec();
+    sorted.sort_unstable();
+    sorted.dedup();
+    let mut numbers = vec![u32::MAX; sorted.len()];
+    let mut used = Vec::with_capacity(sorted.len());
+    for corner in triangles.as_flattened_mut() {
+        let number = &mut numbers[sorted.partition_point(|former| former < corner)];
+        if *number == u32::MAX {
+            *number = used.len() as u32;
+            used.push(*corner);
+        }
+        *corner = *number;
+    }
+    used
 }
 
 /// Whether a vertex can be rendered.

@@ -20,14 +20,17 @@ mod guard;
 mod obj_file;
 mod range;
 mod source;
+mod text;
+mod winding;
 
-use mlt_core::transport::description::SceneDescription;
+use mlt_core::{memory::Memory, transport::description::SceneDescription};
 use source::Source;
 use std::path::Path;
 
 pub use builtin::{BUILTIN, builtin};
 pub use camera::{bounds, camera_framing, camera_look_at};
 pub use error::SceneError;
+pub use text::{MOST_OF_A_MESSAGE, printable};
 
 /// A scene, and what could not be taken over from its file.
 #[derive(Clone, Debug)]
@@ -38,26 +41,53 @@ pub struct Loaded {
     pub description: SceneDescription,
     /// One sentence each, for the user.
     pub warnings: Vec<String>,
+    /// Point, spot and directional lights that the scene would show and the description cannot say.
+    pub lights_left_out: usize,
 }
 
-/// Loads a `.gltf`, `.glb` or `.obj` file.
+impl Loaded {
+    /// Leaves nothing in names and warnings that would control a terminal. Cameras keep their names, to be chosen by.
+    fn make_printable(&mut self) {
+        let SceneDescription { meshes, materials, .. } = &mut self.description;
+        let names = meshes.iter_mut().map(|m| &mut m.name).chain(materials.iter_mut().map(|m| &mut m.name));
+        names.for_each(|name| *name = text::shown(name));
+        self.warnings.iter_mut().for_each(|warning| *warning = printable(warning, MOST_OF_A_MESSAGE));
+    }
+}
+
+/// Loads a `.gltf`, `.glb` or `.obj` file, of any size.
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
-    let source = Source::file(path);
+    load_within(path, &Memory::unlimited())
+}
+
+/// Loads a `.gltf`, `.glb` or `.obj` file, and takes the memory that it needs here and in the renderer's scene.
+fn load_within(path: &Path, memory: &Memory) -> Result<Loaded, SceneError> {
+    let source = Source::file(path, memory);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let parse = match extension.as_deref() {
         Some("gltf" | "glb") => gltf_file::load,
         Some("obj") => obj_file::load,
         _ => return Err(SceneError::UnknownFormat { path: path.to_owned() }),
     };
-    guard::catch(|| parse(&source)).unwrap_or_else(|reason| Err(SceneError::Parser { path: path.to_owned(), reason }))
+    let parsed = guard::catch(|| parse(&source));
+    let mut loaded = parsed.map_err(|reason| SceneError::Parser { path: path.to_owned(), reason })??;
+    winding::follow_normals(&mut loaded.description, &mut loaded.warnings);
+    loaded.make_printable();
+    Ok(loaded)
 }
 
-/// Loads a file, or else the built-in scene of that name.
+/// Loads a file, or else the built-in scene of that name, of any size.
 pub fn open(name_or_path: impl AsRef<Path>) -> Result<Loaded, SceneError> {
+    open_within(name_or_path, &Memory::unlimited())
+}
+
+/// The same within a budget of memory, from which everything is taken that the scene will need, here and as a
+/// [`Scene`](mlt_core::transport::scene::Scene).
+pub fn open_within(name_or_path: impl AsRef<Path>, memory: &Memory) -> Result<Loaded, SceneError> {
     let path = name_or_path.as_ref();
     let name = path.to_string_lossy();
     if path.is_file() || path.extension().is_some() {
-        return load(path);
+        return load_within(path, memory);
     }
     builtin(&name).unwrap_or_else(|| match path.exists() {
         true => Err(SceneError::NotAFile { path: path.to_owned() }),

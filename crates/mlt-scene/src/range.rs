@@ -1,5 +1,6 @@
 //! Material parameters brought into their ranges.
 
+use crate::text::shown;
 use mlt_core::transport::Rgb;
 use std::fmt::Display;
 
@@ -31,7 +32,8 @@ impl Range<'_> {
     }
 
     fn warn(&mut self, what: &str, value: impl Display, taken: impl Display) {
-        self.warnings.push(format!("material `{}`: {what} is {value}; {taken} is taken instead", self.material));
+        let material = shown(self.material);
+        self.warnings.push(format!("material `{material}`: {what} is {value}; {taken} is taken instead"));
     }
 }
 

@@ -1,6 +1,7 @@
 //! The scene file and the files beside it; nothing outside of its folder is ever read.
 
-use crate::SceneError;
+use crate::{SceneError, text::shown};
+use mlt_core::memory::Memory;
 use std::{
     fs,
     path::{Component, Path, PathBuf},
@@ -12,38 +13,38 @@ const MAX_FILE: u64 = 8 << 30;
 /// Files that are part of the program: name and content.
 pub(crate) type Embedded = &'static [(&'static str, &'static [u8])];
 
-/// Where a scene comes from.
-pub(crate) struct Source {
+/// Where a scene comes from, and how much memory it may take.
+pub(crate) struct Source<'a> {
     /// The scene file, for messages; on disk it is also what is read.
     pub path: PathBuf,
     embedded: Option<Embedded>,
+    memory: &'a Memory,
 }
 
-impl Source {
+impl<'a> Source<'a> {
     /// A file on disk.
-    pub fn file(path: &Path) -> Self {
-        Self { path: path.to_owned(), embedded: None }
+    pub fn file(path: &Path, memory: &'a Memory) -> Self {
+        Self { path: path.to_owned(), embedded: None, memory }
     }
 
     /// The first of `files`; the others lie beside it.
-    pub fn embedded(files: Embedded) -> Self {
-        Self { path: files.first().map_or_else(PathBuf::new, |f| f.0.into()), embedded: Some(files) }
+    pub fn embedded(files: Embedded, memory: &'a Memory) -> Self {
+        Self { path: files.first().map_or_else(PathBuf::new, |f| f.0.into()), embedded: Some(files), memory }
     }
 
     /// The scene file's content.
     pub fn read(&self) -> Result<Vec<u8>, SceneError> {
         match self.embedded {
             Some(_) => self.read_beside(&self.path.to_string_lossy()),
-            None => read_file(&self.path),
+            None => self.read_file(&self.path),
         }
     }
 
     /// The content of the file at the relative path `name` below the scene's folder.
     pub fn read_beside(&self, name: &str) -> Result<Vec<u8>, SceneError> {
         let name = name.replace('\\', "/");
-        let outside = || SceneError::Outside { path: self.path.clone(), uri: name.clone() };
         if has_scheme(&name) || leaves_folder(Path::new(&name)) {
-            return Err(outside());
+            return Err(self.outside(&name));
         }
         if let Some(files) = self.embedded {
             let found = files.iter().find(|f| f.0 == name);
@@ -54,9 +55,39 @@ impl Source {
         let real = |p: &Path| p.canonicalize().map_err(|cause| SceneError::Read { path: p.to_owned(), cause });
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         if !real(&path)?.starts_with(real(folder)?) {
-            return Err(outside());
+            return Err(self.outside(&name));
         }
-        read_file(&path)
+        self.read_file(&path)
+    }
+
+    fn read_file(&self, path: &Path) -> Result<Vec<u8>, SceneError> {
+        let failed = |cause| SceneError::Read { path: path.to_owned(), cause };
+        let metadata = fs::metadata(path).map_err(failed)?;
+        if !metadata.is_file() {
+            return Err(SceneError::NotAFile { path: path.to_owned() });
+        }
+        if metadata.len() > MAX_FILE {
+            let place = "the file".to_owned();
+            return Err(SceneError::TooLarge { path: path.to_owned(), place, what: "bytes", limit: MAX_FILE });
+        }
+        self.take(metadata.len(), "the file")?;
+        fs::read(path).map_err(failed)
+    }
+
+    /// Takes the memory that `what` is about to fill, or refuses the scene.
+    pub fn take(&self, bytes: u64, what: impl Into<String>) -> Result<(), SceneError> {
+        let refused = |shortage| SceneError::Memory { path: self.path.clone(), what: what.into(), shortage };
+        self.memory.take(bytes).map_err(refused)
+    }
+
+    /// The error that a reference leaves the scene's folder.
+    pub fn outside(&self, uri: &str) -> SceneError {
+        SceneError::Outside { path: self.path.clone(), uri: shown(uri) }
+    }
+
+    /// The error that geometry is compressed by an extension.
+    pub fn compressed(&self, extension: &str) -> SceneError {
+        SceneError::Compressed { path: self.path.clone(), extension: extension.to_owned() }
     }
 
     /// The error that `place` cannot be because of `reason`.
@@ -94,17 +125,4 @@ fn leaves_folder(path: &Path) -> bool {
         }
     }
     false
-}
-
-fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
-    let failed = |cause| SceneError::Read { path: path.to_owned(), cause };
-    let metadata = fs::metadata(path).map_err(failed)?;
-    if !metadata.is_file() {
-        return Err(SceneError::NotAFile { path: path.to_owned() });
-    }
-    if metadata.len() > MAX_FILE {
-        let place = "the file".to_owned();
-        return Err(SceneError::TooLarge { path: path.to_owned(), place, what: "bytes", limit: MAX_FILE });
-    }
-    fs::read(path).map_err(failed)
 }

@@ -136,7 +136,8 @@ fn check_size(width: usize, height: usize, bytes_per_pixel: u64) -> anyhow::Resu
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         bail!("an image of {width}x{height} is outside 1x1 to {MAX_SIDE}x{MAX_SIDE}");
     }
-    crate::require_memory(width as u64 * height as u64 * bytes_per_pixel, &format!("an image of {width}x{height}"))
+    let bytes = width as u64 * height as u64 * bytes_per_pixel;
+    crate::require_memory(bytes, &format!("an image of {width}x{height}"))
 }
 
 #[cfg(test)]

@@ -14,8 +14,11 @@ mod trust;
 use std::{io::Write, time::Duration};
 
 use anyhow::Context;
+use mlt_scene::printable;
 
-use crate::{Failure, args::render::RenderOptions, image::Image, interrupt::Interrupt, print, report::Report, warn};
+use crate::{
+    Failure, args::render::RenderOptions, image::Image, interrupt::Interrupt, print, report::Report, warn, warn_all,
+};
 
 pub(crate) use blocks::{Blocks, Grid};
 pub(crate) use plan::Plan;
@@ -65,9 +68,7 @@ fn announce(plan: &Plan) {
 }
 
 fn show(options: &RenderOptions, report: &Report) -> Result<(), Failure> {
-    for warning in &report.warnings {
-        warn(warning);
-    }
+    warn_all(&report.warnings);
     if report.interrupted {
         let seconds = Duration::from_secs_f64(report.seconds).as_secs();
         warn(&format!("interrupted after {seconds} s; the files hold the {} finished rounds", report.rounds));
@@ -76,7 +77,8 @@ fn show(options: &RenderOptions, report: &Report) -> Result<(), Failure> {
         let json = serde_json::to_string_pretty(report).context("cannot encode the report")?;
         print(&(json + "\n"))?;
     } else if !options.quiet {
-        print(&report.to_string())?;
+        let lines: String = report.to_string().lines().map(|line| printable(line, usize::MAX) + "\n").collect();
+        print(&lines)?;
     }
     Ok(())
 }

@@ -23,12 +23,11 @@ use super::{
 use crate::{
     Failure,
     args::render::{self, RenderOptions},
-    cpu_seconds,
+    check_memory, cpu_seconds,
     interrupt::Interrupt,
     progress::Progress,
     report::Report,
     report::{Agreement, Decision},
-    require_memory,
 };
 
 /// Time that is enough to measure the speed.
@@ -61,7 +60,7 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
         Some(per_pixel) => Round { per_pixel, time: Duration::ZERO },
         None => measured(options, view, &plan, interrupt),
     };
-    require_memory_for_round(options.method(), per_pixel, pixels)?;
+    require_memory_for_round(options.method(), per_pixel, setup)?;
     let renderer = Renderer::new(view, settings(options, per_pixel));
     let (mut film, mut counts) = (renderer.film(), Counts::default());
     let ending = Ending::new(plan, interrupt.clone(), start, time);
@@ -152,10 +151,10 @@ fn rounds_of_trial(size: f64) -> u64 {
 }
 
 /// Refuses a round whose memory, besides the film's, is more than there is.
-fn require_memory_for_round(method: render::Method, per_pixel: f64, pixels: f64) -> anyhow::Result<()> {
+fn require_memory_for_round(method: render::Method, per_pixel: f64, setup: &Setup) -> anyhow::Result<()> {
     let bytes = match method.mutates() {
-        true => per_pixel * pixels * BYTES_PER_MUTATION,
+        true => per_pixel * f64::from(setup.camera.pixels()) * BYTES_PER_MUTATION,
         false => per_pixel * rayon::current_num_threads() as f64 * BYTES_PER_SAMPLE,
     };
-    require_memory(bytes as u64, &format!("a round of {per_pixel} {} per pixel", method.unit()))
+    check_memory(&setup.memory, bytes as u64, &format!("a round of {per_pixel} {} per pixel", method.unit()))
 }

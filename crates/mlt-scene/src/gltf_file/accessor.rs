@@ -1,23 +1,45 @@
-//! Typed reading of buffers; every bound is checked before a byte is read.
+//! Typed reading of buffers; every bound is checked before a byte is read, and an element is decoded when it is asked for.
 
-use super::CHECK;
-use crate::{SceneError, geometry::MAX_ELEMENTS, source::Source};
+use super::{CHECK, buffer::Buffers, parse::Parsed};
+use crate::{SceneError, source::Source};
 use gltf::{
-    Accessor,
+    Accessor, Document,
     accessor::{DataType, Dimensions},
     buffer::View,
+    json::validation::Checked,
 };
 use std::{collections::HashMap, rc::Rc};
 
 /// The most elements of an accessor that has no bytes for them: zeros, but for the sparse ones.
 const MAX_IMPLICIT: usize = 1 << 20;
 
-/// Reads accessors, those of vectors only once each, within the limits of a scene.
+/// Reads accessors.
 pub(super) struct Reader<'a> {
-    pub source: &'a Source,
-    buffers: &'a [Vec<u8>],
-    vectors: HashMap<usize, Rc<[[f32; 3]]>>,
-    vertices: usize,
+    pub source: &'a Source<'a>,
+    document: &'a Document,
+    buffers: &'a Buffers<'a>,
+    vectors: HashMap<usize, Rc<Vectors<'a>>>,
+}
+
+/// The elements of an accessor of three components; integers become numbers as glTF says.
+pub(super) struct Vectors<'a> {
+    elements: Elements<'a>,
+    kind: DataType,
+    normalized: bool,
+}
+
+/// Bytes of elements, or zeros where there are none, overlaid with the sparse ones.
+struct Elements<'a> {
+    dense: Option<Strided<'a>>,
+    sparse: HashMap<u32, &'a [u8]>,
+    count: usize,
+}
+
+/// Elements of `size` bytes, `stride` apart.
+struct Strided<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
 }
 
 /// Elements of `size` bytes from `offset` on in a buffer view.
@@ -27,90 +49,121 @@ struct Layout {
     count: usize,
 }
 
-impl<'a> Reader<'a> {
-    /// A reader of these buffers, which are in the document's order.
-    pub fn new(source: &'a Source, buffers: &'a [Vec<u8>]) -> Self {
-        Self { source, buffers, vectors: HashMap::new(), vertices: 0 }
+impl Vectors<'_> {
+    /// Number of elements.
+    pub fn count(&self) -> usize {
+        self.elements.count
     }
 
-    /// The elements of an accessor of three components; integers become numbers as glTF says.
-    pub fn vectors(&mut self, accessor: &Accessor) -> Result<Rc<[[f32; 3]]>, SceneError> {
+    /// The element at `i`, which is less than [`count`](Self::count).
+    pub fn at(&self, i: u32) -> [f32; 3] {
+        let decode = |b: &[u8]| [0, 1, 2].map(|k| component(&b[k * self.kind.size()..], self.kind, self.normalized));
+        self.elements.at(i).map_or([0.0; 3], decode)
+    }
+}
+
+impl<'a> Elements<'a> {
+    /// The bytes of the element at `i`; `None`: they are zeros.
+    fn at(&self, i: u32) -> Option<&'a [u8]> {
+        let dense = || self.dense.as_ref().map(|dense| dense.at(i as usize));
+        if self.sparse.is_empty() { dense() } else { self.sparse.get(&i).copied().or_else(dense) }
+    }
+}
+
+impl<'a> Strided<'a> {
+    fn at(&self, i: usize) -> &'a [u8] {
+        &self.bytes[i * self.stride..][..self.size]
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// A reader of the document's buffers.
+    pub fn new(source: &'a Source<'a>, parsed: &'a Parsed, buffers: &'a Buffers<'a>) -> Self {
+        Self { source, document: &parsed.document, buffers, vectors: HashMap::new() }
+    }
+
+    /// The elements of an accessor of three components.
+    pub fn vectors(&mut self, accessor: &Accessor) -> Result<Rc<Vectors<'a>>, SceneError> {
         if let Some(known) = self.vectors.get(&accessor.index()) {
             return Ok(known.clone());
         }
+        self.check_type(accessor)?;
         if accessor.dimensions() != Dimensions::Vec3 {
             return Err(self.invalid(accessor, "elements of three components are expected"));
         }
-        self.vertices = self.vertices.saturating_add(accessor.count());
-        if self.vertices > MAX_ELEMENTS {
-            return Err(self.source.too_large(place(accessor), "vertices of the scene so far", MAX_ELEMENTS));
-        }
         let (kind, normalized) = (accessor.data_type(), accessor.normalized());
-        let decode = |bytes: &[u8]| [0, 1, 2].map(|k| component(&bytes[k * kind.size()..], kind, normalized));
-        let vectors: Rc<[_]> = self.elements(accessor, [0.0; 3], decode)?.into();
+        let vectors = Rc::new(Vectors { elements: self.elements(accessor)?, kind, normalized });
         self.vectors.insert(accessor.index(), vectors.clone());
         Ok(vectors)
     }
 
     /// The elements of an accessor of vertex indices.
     pub fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, SceneError> {
+        self.check_type(accessor)?;
         if !matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32) {
             return Err(self.invalid(accessor, "unsigned integers are expected"));
         }
         if accessor.dimensions() != Dimensions::Scalar {
             return Err(self.invalid(accessor, "single numbers are expected"));
         }
-        self.elements(accessor, 0, index)
+        let elements = self.elements(accessor)?;
+        Ok((0..elements.count as u32).map(|i| elements.at(i).map_or(0, index)).collect())
     }
 
-    /// Dense elements, or `zero` where there are none, overlaid with the sparse ones.
-    fn elements<T: Clone>(
-        &self,
-        accessor: &Accessor,
-        zero: T,
-        decode: impl Fn(&[u8]) -> T,
-    ) -> Result<Vec<T>, SceneError> {
+    fn elements(&self, accessor: &Accessor) -> Result<Elements<'a>, SceneError> {
         let (size, count) = (accessor.size(), accessor.count());
-        let mut elements = match accessor.view() {
+        let dense = match accessor.view() {
             Some(view) => {
                 let layout = Layout { offset: accessor.offset(), size, count };
-                self.strided(accessor, &view, layout)?.map(&decode).collect()
+                Some(self.strided(accessor, &view, layout)?)
             }
-            None if count <= MAX_IMPLICIT => vec![zero; count],
+            None if count <= MAX_IMPLICIT => None,
             None => return Err(self.source.too_large(place(accessor), "elements without data", MAX_IMPLICIT)),
         };
-        if let Some(sparse) = accessor.sparse() {
-            let (indices, values, count) = (sparse.indices(), sparse.values(), sparse.count());
-            let layout = Layout { offset: indices.offset(), size: indices.index_type().size(), count };
-            let places = self.strided(accessor, &indices.view(), layout)?;
-            let values = self.strided(accessor, &values.view(), Layout { offset: values.offset(), size, count })?;
-            for (at, value) in places.zip(values) {
-                let slot = elements.get_mut(index(at) as usize);
-                *slot.ok_or_else(|| self.invalid(accessor, "a sparse index is out of range"))? = decode(value);
-            }
-        }
-        Ok(elements)
+        Ok(Elements { dense, sparse: self.sparse(accessor)?, count })
     }
 
-    /// The bytes of each element.
-    fn strided(
-        &self,
-        accessor: &Accessor,
-        view: &View,
-        layout: Layout,
-    ) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, SceneError> {
+    fn sparse(&self, accessor: &Accessor) -> Result<HashMap<u32, &'a [u8]>, SceneError> {
+        let Some(sparse) = accessor.sparse() else { return Ok(HashMap::new()) };
+        let (indices, values, count) = (sparse.indices(), sparse.values(), sparse.count());
+        if count > accessor.count() {
+            return Err(self.invalid(accessor, "there are more sparse elements than elements"));
+        }
+        let layout = Layout { offset: indices.offset(), size: indices.index_type().size(), count };
+        let places = self.strided(accessor, &indices.view(), layout)?;
+        let layout = Layout { offset: values.offset(), size: accessor.size(), count };
+        let values = self.strided(accessor, &values.view(), layout)?;
+        let pairs: HashMap<_, _> = (0..count).map(|i| (index(places.at(i)), values.at(i))).collect();
+        match pairs.keys().all(|&at| (at as usize) < accessor.count()) {
+            true => Ok(pairs),
+            false => Err(self.invalid(accessor, "a sparse index is out of range")),
+        }
+    }
+
+    /// The elements in a buffer view.
+    fn strided(&self, accessor: &Accessor, view: &View, layout: Layout) -> Result<Strided<'a>, SceneError> {
         let Layout { offset, size, count } = layout;
         let stride = view.stride().unwrap_or(size);
         if stride < size {
             return Err(self.invalid(accessor, "the stride is shorter than an element"));
         }
+        let buffer = self.buffers.content(&view.buffer())?;
         let view_end = view.offset().checked_add(view.length());
-        let bytes = view_end.and_then(|end| self.buffers.get(view.buffer().index())?.get(view.offset()..end));
+        let bytes = view_end.and_then(|end| buffer.get(view.offset()..end));
         let bytes = bytes.ok_or_else(|| self.invalid(accessor, "its buffer view ends beyond its buffer"))?;
         let length = count.checked_sub(1).map_or(Some(0), |last| stride.checked_mul(last)?.checked_add(size));
         let bytes = length.and_then(|n| bytes.get(offset..offset.checked_add(n)?));
         let bytes = bytes.ok_or_else(|| self.invalid(accessor, "it ends beyond its buffer view"))?;
-        Ok(bytes.chunks(stride).map(move |chunk| &chunk[..size]))
+        Ok(Strided { bytes, stride, size })
+    }
+
+    /// Refuses types that the parser does not know, of which it allows no question.
+    fn check_type(&self, accessor: &Accessor) -> Result<(), SceneError> {
+        let json = &self.document.as_json().accessors[accessor.index()];
+        let unknown = matches!(json.component_type, Checked::Invalid)
+            || matches!(json.type_, Checked::Invalid)
+            || json.sparse.as_ref().is_some_and(|sparse| matches!(sparse.indices.component_type, Checked::Invalid));
+        if unknown { Err(self.invalid(accessor, "its type is not one of glTF 2.0's")) } else { Ok(()) }
     }
 
     fn invalid(&self, accessor: &Accessor, reason: &str) -> SceneError {

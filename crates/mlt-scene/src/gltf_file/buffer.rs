@@ -1,50 +1,102 @@
 //! Where a glTF file's bytes come from: the GLB chunk, data URIs, files beside it.
 
-use super::CHECK;
+use super::{CHECK, parse::COMPRESSION, parse::Parsed};
 use crate::{
     SceneError,
     source::{Source, has_scheme},
 };
-use gltf::{Document, buffer};
+use base64::{
+    Engine,
+    alphabet::STANDARD,
+    engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
+};
+use gltf::{Buffer, buffer};
+use std::{cell::OnceCell, io::ErrorKind};
 
-/// The content of every buffer, at least as long as the document says.
-pub(super) fn resolve(
-    source: &Source,
-    document: &Document,
-    mut blob: Option<Vec<u8>>,
-) -> Result<Vec<Vec<u8>>, SceneError> {
-    let fetch = |buffer: buffer::Buffer| {
+/// Base64 (RFC 4648, 4) whose padding may be missing.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true),
+);
+
+/// The buffers of a document, each read when it is first asked for.
+pub(super) struct Buffers<'a> {
+    source: &'a Source<'a>,
+    binary: Option<&'a [u8]>,
+    read: Vec<OnceCell<Vec<u8>>>,
+}
+
+impl<'a> Buffers<'a> {
+    /// Reads nothing yet.
+    pub fn new(source: &'a Source<'a>, parsed: &'a Parsed) -> Self {
+        let read = parsed.document.buffers().map(|_| OnceCell::new()).collect();
+        Self { source, binary: parsed.binary(), read }
+    }
+
+    /// The content of a buffer, at least as long as the document says.
+    pub fn content(&self, buffer: &Buffer) -> Result<&[u8], SceneError> {
         let place = format!("buffers[{}]", buffer.index());
-        let bytes = match buffer.source() {
-            buffer::Source::Bin => {
-                blob.take().ok_or_else(|| source.invalid(&place, "there is neither a URI nor a binary chunk", CHECK))?
+        let bytes = match (buffer.source(), self.binary) {
+            (buffer::Source::Bin, Some(binary)) if buffer.index() == 0 => binary,
+            (buffer::Source::Bin, _) => return Err(self.missing(buffer, &place)),
+            (buffer::Source::Uri(uri), _) => {
+                let cell = &self.read[buffer.index()];
+                if cell.get().is_none() {
+                    _ = cell.set(read_uri(self.source, &place, uri)?);
+                }
+                cell.get().map_or(&[][..], Vec::as_slice)
             }
-            buffer::Source::Uri(uri) => read_uri(source, &place, uri)?,
         };
         if bytes.len() < buffer.length() {
             let reason = format!("{} bytes are announced and {} are there", buffer.length(), bytes.len());
-            return Err(source.invalid(place, reason, "fetch the file again, it seems cut off"));
+            return Err(self.source.invalid(place, reason, "fetch the file again, it seems cut off"));
         }
         Ok(bytes)
-    };
-    document.buffers().map(fetch).collect()
+    }
+
+    /// The error for a buffer that has no content: another stands for it, compressed, or it is forgotten.
+    fn missing(&self, buffer: &Buffer, place: &str) -> SceneError {
+        let mut names = buffer.extensions().into_iter().flat_map(|map| map.keys());
+        match names.find(|name| COMPRESSION.contains(&name.as_str())) {
+            Some(extension) => self.source.compressed(extension),
+            None => self.source.invalid(place, "there is neither a URI nor a binary chunk", CHECK),
+        }
+    }
 }
 
 fn read_uri(source: &Source, place: &str, uri: &str) -> Result<Vec<u8>, SceneError> {
+    match uri.split_at_checked("data:".len()) {
+        Some((scheme, data)) if scheme.eq_ignore_ascii_case("data:") => read_data(source, place, data),
+        _ if has_scheme(uri) => Err(source.outside(uri)),
+        _ => read_file(source, uri),
+    }
+}
+
+/// The content of a data URI (RFC 2397), in which blanks and line breaks count for nothing.
+fn read_data(source: &Source, place: &str, data: &str) -> Result<Vec<u8>, SceneError> {
     let malformed = |what: &str| source.invalid(place, format!("the URI is not {what}"), CHECK);
-    if let Some(data) = uri.strip_prefix("data:") {
-        let (head, body) = data.split_once(',').ok_or_else(|| malformed("a complete data URI"))?;
-        let body = percent_decode(body).ok_or_else(|| malformed("percent-encoded as it should be"))?;
-        return match head.ends_with(";base64") {
-            true => base64_decode(&body).ok_or_else(|| malformed("base64 as it says")),
-            false => Ok(body),
-        };
+    source.take(data.len() as u64, place)?;
+    let (head, body) = data.split_once(',').ok_or_else(|| malformed("a complete data URI"))?;
+    let mut body = percent_decode(body).ok_or_else(|| malformed("percent-encoded as it should be"))?;
+    if head.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64")) {
+        body.retain(|byte| !byte.is_ascii_whitespace());
+        body = BASE64.decode(body).map_err(|_| malformed("base64 as it says"))?;
     }
-    if has_scheme(uri) {
-        return Err(SceneError::Outside { path: source.path.clone(), uri: uri.to_owned() });
+    Ok(body)
+}
+
+/// The file whose name is the URI decoded, or the URI as it stands: some programs do not encode what they write.
+fn read_file(source: &Source, uri: &str) -> Result<Vec<u8>, SceneError> {
+    let name = percent_decode(uri).and_then(|name| String::from_utf8(name).ok());
+    match name.map(|name| source.read_beside(&name)) {
+        None => source.read_beside(uri),
+        Some(Err(SceneError::Read { cause, path })) if cause.kind() == ErrorKind::NotFound && uri.contains('%') => {
+            source.read_beside(uri).map_err(|_| SceneError::Read { cause, path })
+        }
+        Some(read) => read,
     }
-    let name = percent_decode(uri).ok_or_else(|| malformed("percent-encoded as it should be"))?;
-    source.read_beside(&String::from_utf8(name).map_err(|_| malformed("UTF-8"))?)
 }
 
 /// Bytes of a percent-encoded text (RFC 3986, 2.1).
@@ -61,40 +113,4 @@ fn percent_decode(text: &str) -> Option<Vec<u8>> {
         });
     }
     Some(decoded)
-}
-
-/// Bytes of a base64 text (RFC 4648, 4); padding may be missing.
-fn base64_decode(text: &[u8]) -> Option<Vec<u8>> {
-    let unpadded = text.iter().rposition(|&b| b != b'=').map_or(0, |last| last + 1);
-    if text.len() - unpadded > 2 {
-        return None;
-    }
-    let mut decoded = Vec::with_capacity(unpadded / 4 * 3 + 3);
-    for group in text[..unpadded].chunks(4) {
-        let mut bits = 0;
-        for &byte in group {
-            bits = bits << 6 | base64_digit(byte)?;
-        }
-        let whole = match group.len() {
-            4 => 3,
-            3 => 2,
-            2 => 1,
-            _ => return None,
-        };
-        bits <<= 6 * (4 - group.len());
-        decoded.extend_from_slice(&bits.to_be_bytes()[1..=whole]);
-    }
-    Some(decoded)
-}
-
-fn base64_digit(byte: u8) -> Option<u32> {
-    let value = match byte {
-        b'A'..=b'Z' => byte - b'A',
-        b'a'..=b'z' => byte - b'a' + 26,
-        b'0'..=b'9' => byte - b'0' + 52,
-        b'+' => 62,
-        b'/' => 63,
-        _ => return None,
-    };
-    Some(u32::from(value))
 }

@@ -1,13 +1,29 @@
 //! glTF's cameras.
 
-use super::graph::place;
+use super::graph::{Placed, place};
+use crate::text;
 use glam::{DMat4, DVec3};
 use gltf::{Camera, Node, camera::Projection};
 use mlt_core::transport::camera::CameraPose;
 use std::f32::consts::PI;
 
+/// The cameras of the scene that is shown, and behind them those of the file outside of it.
+pub(super) fn poses(shown: &[Placed], others: &[Placed], warnings: &mut Vec<String>) -> Vec<CameraPose> {
+    let among = |nodes: &[Placed], warnings: &mut Vec<String>| -> Vec<_> {
+        nodes.iter().filter_map(|(node, to_world)| pose(&node.camera()?, node, to_world, warnings)).collect()
+    };
+    let mut cameras = among(shown, warnings);
+    let outside = among(others, &mut Vec::new());
+    if let (true, Some(taken)) = (cameras.is_empty(), outside.first()) {
+        let name = text::shown(&taken.name);
+        warnings.push(format!("the scene that is shown has no camera; `{name}`, which stands outside of it, is taken"));
+    }
+    cameras.extend(outside);
+    cameras
+}
+
 /// The pinhole camera at a node; `None`, with a warning, where there is none like it.
-pub(super) fn pose(camera: &Camera, node: &Node, to_world: &DMat4, warnings: &mut Vec<String>) -> Option<CameraPose> {
+fn pose(camera: &Camera, node: &Node, to_world: &DMat4, warnings: &mut Vec<String>) -> Option<CameraPose> {
     let place = place(node);
     let Projection::Perspective(lens) = camera.projection() else {
         warnings.push(format!(

@@ -1,48 +1,74 @@
 //! The node graph, flattened.
 
 use super::CHECK;
-use crate::{SceneError, source::Source};
+use crate::{SceneError, source::Source, text::shown};
 use glam::{DMat4, DQuat, DVec3};
 use gltf::{Document, Node, scene::Transform};
 
-/// The nodes of the scene to show, in the file's order, each with its transform to world space.
-///
-/// A node that is reached twice makes the graph no tree, which also finds every cycle.
-pub(super) fn nodes<'a>(source: &Source, document: &'a Document) -> Result<Vec<(Node<'a>, DMat4)>, SceneError> {
-    let mut pending: Vec<_> = roots(document).into_iter().map(|node| (node, DMat4::IDENTITY)).collect();
-    pending.reverse();
-    let mut reached = vec![false; document.nodes().len()];
-    let mut flat = Vec::new();
-    while let Some((node, parent)) = pending.pop() {
-        if std::mem::replace(&mut reached[node.index()], true) {
-            let reason = "the node has two parents or is its own ancestor";
-            return Err(source.invalid(place(&node), reason, CHECK));
-        }
-        let to_world = parent * local(&node);
-        let first_child = pending.len();
-        pending.extend(node.children().map(|child| (child, to_world)));
-        pending[first_child..].reverse();
-        flat.push((node, to_world));
+/// A node and its transform to world space.
+pub(super) type Placed<'a> = (Node<'a>, DMat4);
+
+/// The node graph, of which each node is reached once.
+pub(super) struct Graph<'a> {
+    document: &'a Document,
+    reached: Vec<bool>,
+}
+
+impl<'a> Graph<'a> {
+    /// The graph of a document, of which nothing is reached yet.
+    pub fn new(document: &'a Document) -> Self {
+        Self { document, reached: vec![false; document.nodes().len()] }
     }
-    Ok(flat)
+
+    /// The nodes of the scene to show, in the file's order.
+    ///
+    /// A node that is reached twice makes the graph no tree, which also finds every cycle.
+    pub fn shown(&mut self, source: &Source) -> Result<Vec<Placed<'a>>, SceneError> {
+        let scene = self.document.default_scene().or_else(|| self.document.scenes().next());
+        let roots = scene.map_or_else(|| self.roots(), |scene| scene.nodes().collect());
+        let reason = "the node has two parents or is its own ancestor";
+        self.flatten(roots).map_err(|node| source.invalid(place(&node), reason, CHECK))
+    }
+
+    /// The nodes outside of it; empty where they are no trees.
+    pub fn others(&mut self) -> Vec<Placed<'a>> {
+        let mut roots = self.roots();
+        roots.retain(|root| !self.reached[root.index()]);
+        self.flatten(roots).unwrap_or_default()
+    }
+
+    /// Every node that is nobody's child.
+    fn roots(&self) -> Vec<Node<'a>> {
+        let mut is_root = vec![true; self.reached.len()];
+        self.document.nodes().flat_map(|n| n.children()).for_each(|child| is_root[child.index()] = false);
+        self.document.nodes().filter(|n| is_root[n.index()]).collect()
+    }
+
+    /// The trees below some roots, depth first; or the node at which they are no trees.
+    fn flatten(&mut self, roots: Vec<Node<'a>>) -> Result<Vec<Placed<'a>>, Node<'a>> {
+        let mut pending: Vec<_> = roots.into_iter().map(|node| (node, DMat4::IDENTITY)).collect();
+        pending.reverse();
+        let mut flat = Vec::new();
+        while let Some((node, parent)) = pending.pop() {
+            if std::mem::replace(&mut self.reached[node.index()], true) {
+                return Err(node);
+            }
+            let to_world = parent * local(&node);
+            let first_child = pending.len();
+            pending.extend(node.children().map(|child| (child, to_world)));
+            pending[first_child..].reverse();
+            flat.push((node, to_world));
+        }
+        Ok(flat)
+    }
 }
 
 /// How messages name a node.
 pub(super) fn place(node: &Node) -> String {
     match node.name() {
-        Some(name) => format!("nodes[{}] `{name}`", node.index()),
+        Some(name) => format!("nodes[{}] `{}`", node.index(), shown(name)),
         None => format!("nodes[{}]", node.index()),
     }
-}
-
-/// The default scene's roots; a file without scenes: every node that is nobody's child.
-fn roots(document: &Document) -> Vec<Node<'_>> {
-    if let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) {
-        return scene.nodes().collect();
-    }
-    let mut is_root = vec![true; document.nodes().len()];
-    document.nodes().flat_map(|n| n.children()).for_each(|child| is_root[child.index()] = false);
-    document.nodes().filter(|n| is_root[n.index()]).collect()
 }
 
 fn local(node: &Node) -> DMat4 {

@@ -1,7 +1,7 @@
 //! glTF's materials.
 
 use super::unsupported;
-use crate::range::Range;
+use crate::{range::Range, text::shown};
 use gltf::Document;
 use mlt_core::transport::{Rgb, bsdf::MetallicRoughness, material::Material};
 use std::collections::BTreeSet;
@@ -30,7 +30,7 @@ pub(super) fn materials(document: &Document, used: &BTreeSet<usize>, warnings: &
 }
 
 fn material(index: usize, source: &gltf::Material, warnings: &mut Vec<String>) -> Material {
-    let name = source.name().map_or_else(|| format!("material {index}"), str::to_owned);
+    let name = source.name().map_or_else(|| format!("material {index}"), shown);
     let mut range = Range { material: &name, warnings };
     let strength = source.emissive_strength().unwrap_or(1.0);
     let emission = range.colour("the emission", strength * Rgb::from_array(source.emissive_factor()), 1e12);

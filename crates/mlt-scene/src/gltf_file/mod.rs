@@ -5,17 +5,19 @@
 mod accessor;
 mod buffer;
 mod camera;
+mod glb;
 mod graph;
 mod material;
 mod parse;
 mod primitive;
 mod unsupported;
 
-use crate::{Loaded, SceneError, geometry::MAX_ELEMENTS, source::Source};
+use crate::{Loaded, SceneError, geometry::GeometrySize, source::Source};
 use accessor::Reader;
-use glam::DMat4;
-use gltf::{Document, Node, Semantic};
+use buffer::Buffers;
+use graph::{Graph, Placed};
 use mlt_core::transport::{description::SceneDescription, mesh::Mesh};
+use parse::Parsed;
 use std::collections::BTreeSet;
 
 /// The remedy for a file that contradicts itself.
@@ -23,34 +25,34 @@ const CHECK: &str = "export the scene again or check it with a glTF validator";
 
 /// Loads the scene that the file shows by default.
 pub(crate) fn load(source: &Source) -> Result<Loaded, SceneError> {
-    let (document, blob) = parse::parse(source)?;
-    let buffers = buffer::resolve(source, &document, blob)?;
-    let mut warnings = unsupported::in_document(&document);
-    let description = describe(source, &document, &buffers, &mut warnings)?;
+    let parsed = parse::parse(source)?;
+    let mut graph = Graph::new(&parsed.document);
+    let nodes = graph.shown(source)?;
+    let mut warnings = unsupported::in_document(&parsed.document);
+    let cameras = camera::poses(&nodes, &graph.others(), &mut warnings);
+    let description = SceneDescription { cameras, ..surfaces(source, &parsed, &nodes, &mut warnings)? };
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { name, description, warnings })
+    Ok(Loaded { name, description, warnings, lights_left_out: unsupported::lights(&nodes) })
 }
 
-fn describe(
+/// The meshes at these nodes, and all materials.
+fn surfaces(
     source: &Source,
-    document: &Document,
-    buffers: &[Vec<u8>],
+    parsed: &Parsed,
+    nodes: &[Placed],
     warnings: &mut Vec<String>,
 ) -> Result<SceneDescription, SceneError> {
-    let mut scene = SceneDescription::default();
-    let mut reader = Reader::new(source, buffers);
-    let mut used = BTreeSet::new();
-    let nodes = graph::nodes(source, document)?;
-    check_size(source, &nodes)?;
+    take_memory(source, nodes)?;
+    let document = &parsed.document;
+    let buffers = Buffers::new(source, parsed);
+    let mut reader = Reader::new(source, parsed, &buffers);
+    let (mut scene, mut used) = (SceneDescription::default(), BTreeSet::new());
     for (node, to_world) in nodes {
-        if let Some(camera) = node.camera() {
-            scene.cameras.extend(camera::pose(&camera, &node, &to_world, warnings));
-        }
-        warnings.extend(unsupported::in_node(&node));
+        warnings.extend(unsupported::in_node(node));
         for primitive in node.mesh().iter().flat_map(|m| m.primitives()) {
             let material = primitive.material().index().unwrap_or(document.materials().len());
             used.insert(material);
-            let mesh = primitive::mesh(&mut reader, &node, &primitive, &to_world, warnings)?;
+            let mesh = primitive::mesh(&mut reader, node, &primitive, to_world, warnings)?;
             scene.meshes.extend(mesh.map(|m| Mesh { material: material as u32, ..m }));
         }
     }
@@ -61,18 +63,11 @@ fn describe(
     Ok(scene)
 }
 
-/// Refuses a scene whose primitives, counted at each node that shows them, have too many corners.
-fn check_size(source: &Source, nodes: &[(Node, DMat4)]) -> Result<(), SceneError> {
-    const MAX_CORNERS: usize = 3 * MAX_ELEMENTS;
-    let mut corners = 0usize;
-    for (node, _) in nodes {
-        for primitive in node.mesh().iter().flat_map(|m| m.primitives()) {
-            let accessor = primitive.indices().or_else(|| primitive.get(&Semantic::Positions));
-            corners = corners.saturating_add(accessor.map_or(0, |a| a.count()));
-        }
-        if corners > MAX_CORNERS {
-            return Err(source.too_large(graph::place(node), "corners of the scene so far", MAX_CORNERS));
-        }
+/// Takes the memory for the primitives, counted at each node that shows them.
+fn take_memory(source: &Source, nodes: &[Placed]) -> Result<(), SceneError> {
+    let mut size = GeometrySize::default();
+    for primitive in nodes.iter().filter_map(|(node, _)| node.mesh()).flat_map(|m| m.primitives()) {
+        size.add(primitive::triangle_count(&primitive), primitive.material().emissive_factor() != [0.0; 3]);
     }
-    Ok(())
+    size.take(source)
 }

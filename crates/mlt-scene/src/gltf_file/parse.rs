@@ -1,66 +1,118 @@
 //! The JSON of a glTF file.
 
-use super::CHECK;
-use crate::{SceneError, source::Source};
+use super::{CHECK, glb};
+use crate::{
+    SceneError,
+    source::Source,
+    text::{printable, shown},
+};
 use gltf::{
-    Document, Glb,
+    Document,
     json::{
         Path, Root, deserialize,
         validation::{Error, Validate},
     },
 };
-use serde_json::Value;
+use serde_json::{Value, json};
+use std::ops::Range;
 
 /// Extensions that hide the geometry from a reader who does not know them.
-const COMPRESSION: &[&str] = &["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+pub(super) const COMPRESSION: &[&str] =
+    &["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Parses and validates the document; the second value is a GLB's binary chunk.
-pub(super) fn parse(source: &Source) -> Result<(Document, Option<Vec<u8>>), SceneError> {
-    let syntax = |format| {
-        let path = source.path.clone();
-        move |e: &dyn std::fmt::Display| SceneError::Syntax { path, format, reason: e.to_string() }
-    };
+/// Bytes that a JSON object takes once it is parsed: a node, the largest that there can be many of.
+const BYTES_PER_OBJECT: u64 = 512;
+
+/// A glTF file.
+pub(super) struct Parsed {
+    /// What its JSON says.
+    pub document: Document,
+    bytes: Vec<u8>,
+    binary: Option<Range<usize>>,
+}
+
+impl Parsed {
+    /// The binary chunk of a GLB.
+    pub fn binary(&self) -> Option<&[u8]> {
+        self.binary.clone().map(|chunk| &self.bytes[chunk])
+    }
+}
+
+/// Reads, parses and validates the file.
+pub(super) fn parse(source: &Source) -> Result<Parsed, SceneError> {
     let bytes = source.read()?;
-    let (root, blob) = if bytes.starts_with(b"glTF") {
-        let glb = Glb::from_slice(&bytes).map_err(|e| syntax("binary glTF")(&e))?;
-        let root = root(&glb.json).map_err(|e| syntax("binary glTF")(&e))?;
-        (root, glb.bin.map(|bin| bin.into_owned()))
-    } else {
-        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-        (root(text).map_err(|e| syntax("glTF")(&e))?, None)
+    let is_binary = bytes.starts_with(b"glTF");
+    let format = if is_binary { "binary glTF" } else { "glTF" };
+    let syntax =
+        |reason: String| SceneError::Syntax { path: source.path.clone(), format, reason: printable(&reason, 200) };
+    let (json, binary) = match is_binary {
+        true => glb::chunks(&bytes).map(|chunks| (chunks.json, chunks.binary)).map_err(syntax)?,
+        false => (0..bytes.len(), None),
     };
+    let text = trimmed(&bytes[json]);
+    let objects = text.iter().filter(|&&byte| byte == b'{').count() as u64;
+    source.take(objects * BYTES_PER_OBJECT, format!("the JSON of {objects} objects"))?;
+    let root = root(text).map_err(|error| syntax(error.to_string()))?;
     if let Some(extension) = root.extensions_required.iter().find(|e| COMPRESSION.contains(&e.as_str())) {
-        return Err(SceneError::Compressed { path: source.path.clone(), extension: extension.clone() });
+        return Err(source.compressed(extension));
     }
     validate(source, &root)?;
-    Ok((Document::from_json_without_validation(root), blob))
+    Ok(Parsed { document: Document::from_json_without_validation(root), bytes, binary })
 }
 
-/// The document as it stands. Scenes may lack a list of nodes, by the specification but not by the parser.
+/// Without a byte order mark, and without the NULs that some programs fill a GLB's chunk up with.
+fn trimmed(json: &[u8]) -> &[u8] {
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    json.iter().rposition(|&byte| byte != 0).map_or(&[], |last| &json[..=last])
+}
+
 fn root(json: &[u8]) -> Result<Root, serde_json::Error> {
-    deserialize::from_slice(json).or_else(|error| with_nodes(json).ok_or(error))
+    deserialize::from_slice(json).or_else(|error| relaxed(json).ok_or(error))
 }
 
-/// The same with an empty list for each scene that has none.
-fn with_nodes(json: &[u8]) -> Option<Root> {
+/// The document with what is right by the specification, or an extension to it, and unknown to the parser: a scene without
+/// nodes, any animation or skin (which are counted and no more), an integer that is written with a point.
+fn relaxed(json: &[u8]) -> Option<Root> {
     let mut document: Value = serde_json::from_slice(json).ok()?;
-    for scene in document.get_mut("scenes")?.as_array_mut()? {
-        scene.as_object_mut()?.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
-    }
+    let mut each = |list: &str, change: fn(&mut Value)| {
+        document.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten().for_each(change);
+    };
+    each("scenes", |scene| {
+        if let Value::Object(scene) = scene {
+            scene.entry("nodes").or_insert_with(|| json!([]));
+        }
+    });
+    each("animations", |animation| *animation = json!({ "channels": [], "samplers": [] }));
+    each("skins", |skin| *skin = json!({ "joints": [] }));
+    write_integers(&mut document);
     deserialize::from_value(document).ok()
 }
 
-/// Checks what the `gltf` crate relies on; extensions and bounds of positions, which it also checks, are not needed here.
+/// Writes 3 for 3.0, everywhere.
+fn write_integers(value: &mut Value) {
+    const EXACT: f64 = (1u64 << 53) as f64;
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(write_integers),
+        Value::Object(fields) => fields.values_mut().for_each(write_integers),
+        Value::Number(number) => {
+            if let Some(whole) = number.as_f64().filter(|x| x.fract() == 0.0 && x.abs() < EXACT) {
+                *value = (whole as i64).into();
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Checks what the `gltf` crate relies on.
 fn validate(source: &Source, root: &Root) -> Result<(), SceneError> {
     if !root.asset.version.starts_with("2.") {
-        let reason = format!("the version is `{}`", root.asset.version);
+        let reason = format!("the version is `{}`", shown(&root.asset.version));
         return Err(source.invalid("asset", reason, "export the scene as glTF 2.0"));
     }
     let mut first = None;
     root.validate(root, Path::new, &mut |path, error| {
         let path = path().to_string();
-        let optional = error == Error::Missing && (path.ends_with(".min") || path.ends_with(".max"));
-        if error != Error::Unsupported && !optional && first.is_none() {
+        if first.is_none() && matters(&path, error) {
             first = Some((path, error));
         }
     });
@@ -68,4 +120,15 @@ fn validate(source: &Source, root: &Root) -> Result<(), SceneError> {
         let reason = error.to_string().to_lowercase();
         Err(source.invalid(path, reason, CHECK))
     })
+}
+
+/// Whether the renderer relies on what the validator objects to. It asks of animations, skins, images and textures only
+/// whether they are there, of unknown attributes nothing, and it looks at an accessor's data, type and bounds where it reads it.
+fn matters(path: &str, error: Error) -> bool {
+    const UNREAD: &[&str] = &["animations", "images", "samplers", "skins", "textures"];
+    const CHECKED_LATER: &[&str] = &[".bufferView", ".componentType", ".type", ".min", ".max"];
+    let unread = UNREAD.iter().any(|part| path.starts_with(part)) || path.contains("<invalid semantic name>");
+    let later = path.starts_with("accessors") && CHECKED_LATER.iter().any(|end| path.ends_with(end));
+    let bounds = path.contains("[\"POSITION\"].m");
+    error != Error::Unsupported && !unread && !(later && error != Error::IndexOutOfBounds) && !bounds
 }

@@ -1,9 +1,13 @@
 //! glTF's mesh primitives.
 
-use super::{CHECK, accessor::Reader, graph::place};
+use super::{
+    CHECK,
+    accessor::{Reader, Vectors},
+    graph::place,
+};
 use crate::{SceneError, geometry::RawMesh};
 use glam::{DMat3, DMat4, DVec3};
-use gltf::{Node, Primitive, Semantic, mesh::Mode};
+use gltf::{Accessor, Node, Primitive, Semantic, mesh::Mode};
 use mlt_core::transport::mesh::Mesh;
 
 /// The primitive in world space; `None`: it has no triangles.
@@ -19,13 +23,14 @@ pub(super) fn mesh(
         warnings.push(format!("{place}: there are no positions; it is left out"));
         return Ok(None);
     };
+    check_compression(reader, primitive, &positions)?;
     let positions = reader.vectors(&positions)?;
     let mut normals = primitive.get(&Semantic::Normals).map(|a| reader.vectors(&a)).transpose()?;
-    if normals.as_ref().is_some_and(|n| n.len() != positions.len()) {
+    if normals.as_ref().is_some_and(|n| n.count() != positions.count()) {
         warnings.push(format!("{place}: there are not as many normals as positions; they are left out"));
         normals = None;
     }
-    let corners = corners(reader, primitive, positions.len(), &place)?;
+    let corners = corners(reader, primitive, positions.count(), &place)?;
     let Some(mut triangles) = triangles(primitive.mode(), &corners) else {
         warnings.push(format!("{place}: points and lines are not supported; they are left out"));
         return Ok(None);
@@ -44,6 +49,25 @@ pub(super) fn mesh(
         normal: normals.map(|n| move |i| (to_world_normal * vector(n, i)).normalize_or_zero().as_vec3()),
     };
     Ok(raw.finish(warnings))
+}
+
+/// Refuses a primitive whose data is found in its compressed form only.
+fn check_compression(reader: &Reader, primitive: &Primitive, positions: &Accessor) -> Result<(), SceneError> {
+    const DRACO: &str = "KHR_draco_mesh_compression";
+    match primitive.extension_value(DRACO) {
+        Some(_) if positions.view().is_none() => Err(reader.source.compressed(DRACO)),
+        _ => Ok(()),
+    }
+}
+
+/// How many triangles the primitive draws at most, known without its data.
+pub(super) fn triangle_count(primitive: &Primitive) -> usize {
+    let corners = primitive.indices().or_else(|| primitive.get(&Semantic::Positions)).map_or(0, |a| a.count());
+    match primitive.mode() {
+        Mode::Triangles => corners / 3,
+        Mode::TriangleStrip | Mode::TriangleFan => corners.saturating_sub(2),
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => 0,
+    }
 }
 
 /// The vertex at each corner, in range.
@@ -76,6 +100,6 @@ fn cofactors(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-fn vector(vectors: &[[f32; 3]], i: u32) -> DVec3 {
-    DVec3::from_array(vectors[i as usize].map(f64::from))
+fn vector(vectors: &Vectors, i: u32) -> DVec3 {
+    DVec3::from_array(vectors.at(i).map(f64::from))
 }

@@ -1,32 +1,49 @@
 //! What a glTF file asks for that changes the image and is not rendered, in words.
 
-use super::graph::place;
+use super::graph::{Placed, place};
+use crate::text::shown;
 use gltf::{Document, Material, Node, Semantic, material::AlphaMode};
+use std::collections::BTreeSet;
 
 /// Extensions that are read, that change no image, or that speak of what has its own warning.
 const KNOWN: &[&str] = &[
+    "KHR_animation_pointer",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
+    "EXT_meshopt_compression",
+    "EXT_texture_avif",
     "EXT_texture_webp",
+    "MSFT_texture_dds",
 ];
+
+/// Copies of a node's mesh.
+const INSTANCES: &str = "EXT_mesh_gpu_instancing";
 
 /// Of the whole document.
 pub(super) fn in_document(document: &Document) -> Vec<String> {
-    let in_materials =
-        |name: &str| document.materials().any(|m| m.extensions().is_some_and(|map| map.contains_key(name)));
+    let mut named_elsewhere = BTreeSet::new();
+    document
+        .materials()
+        .for_each(|m| named_elsewhere.extend(m.extensions().into_iter().flat_map(|map| map.keys().cloned())));
+    document
+        .nodes()
+        .for_each(|n| named_elsewhere.extend(n.extensions().into_iter().flat_map(|map| map.keys().cloned())));
     let mut warnings: Vec<_> = document
         .extensions_used()
-        .filter(|name| !KNOWN.contains(name) && !in_materials(name))
-        .map(|name| format!("the extension {name} is not supported; what it says is left out"))
+        .filter(|name| !KNOWN.contains(name) && !named_elsewhere.contains(*name))
+        .map(|name| format!("the extension {} is not supported; what it says is left out", shown(name)))
         .collect();
     if document.animations().len() > 0 {
         warnings.push("animations are not supported; the scene is shown as it stands without them".to_owned());
@@ -38,7 +55,10 @@ pub(super) fn in_document(document: &Document) -> Vec<String> {
 pub(super) fn in_node(node: &Node) -> Option<String> {
     let mut features = Vec::new();
     if let Some(light) = node.light() {
-        features.push(format!("the point, spot or directional light `{}`", light.name().unwrap_or("without a name")));
+        features.push(format!(
+            "the point, spot or directional light `{}`",
+            shown(light.name().unwrap_or("without a name"))
+        ));
     }
     if node.skin().is_some() {
         features.push("the skin".to_owned());
@@ -50,7 +70,16 @@ pub(super) fn in_node(node: &Node) -> Option<String> {
     if primitives().any(|p| p.get(&Semantic::Colors(0)).is_some()) {
         features.push("vertex colours".to_owned());
     }
+    features.extend(node.extensions().into_iter().flat_map(|map| map.keys()).map(|name| match name.as_str() {
+        INSTANCES => format!("the copies of its mesh by {INSTANCES} (it is shown once, at the node itself)"),
+        _ => shown(name),
+    }));
     sentence(&place(node), features)
+}
+
+/// How many point, spot and directional lights some nodes hold, none of which is rendered.
+pub(super) fn lights(nodes: &[Placed]) -> usize {
+    nodes.iter().filter(|(node, _)| node.light().is_some()).count()
 }
 
 /// Of one material.
@@ -80,7 +109,7 @@ pub(super) fn in_material(material: &Material) -> Option<String> {
         ),
     ];
     let features = features.iter().filter(|f| f.0).map(|f| f.1.to_owned());
-    let extensions = material.extensions().into_iter().flat_map(|map| map.keys().cloned());
+    let extensions = material.extensions().into_iter().flat_map(|map| map.keys()).map(|name| shown(name));
     sentence(&place_of(material), features.chain(extensions).collect())
 }
 
@@ -101,7 +130,7 @@ fn transmits(material: &Material) -> bool {
 }
 
 fn place_of(material: &Material) -> String {
-    format!("material `{}`", material.name().unwrap_or("without a name"))
+    format!("material `{}`", shown(material.name().unwrap_or("without a name")))
 }
 
 fn sentence(place: &str, features: Vec<String>) -> Option<String> {

@@ -7,21 +7,27 @@ mod text;
 
 use crate::{
     Loaded, SceneError,
-    geometry::{MAX_ELEMENTS, RawMesh},
+    geometry::{GeometrySize, RawMesh},
     source::Source,
+    text::shown,
 };
 use glam::{DVec3, Vec3};
 use library::Library;
-use mlt_core::transport::{description::SceneDescription, mesh::Mesh};
+use mlt_core::transport::{Rgb, description::SceneDescription, mesh::Mesh};
 use std::{io::Read, path::Path};
 use text::{Numbered, Reduced};
 
 /// A line for the parser to ask for the materials at, before all others: all libraries at once.
 const MTLLIB: &[u8] = b"mtllib all\n";
 
+/// Memory that the parser needs for each byte of a text: 6 to 9 were measured.
+const BYTES_PER_BYTE: u64 = 8;
+
 /// Loads every object of the file; OBJ has no cameras.
 pub(crate) fn load(source: &Source) -> Result<Loaded, SceneError> {
-    let reduced = Reduced::new(&text::decode(source.read()?));
+    let bytes = source.read()?;
+    source.take(bytes.len() as u64 * BYTES_PER_BYTE, "the text")?;
+    let reduced = Reduced::new(&text::decode(bytes));
     let mut warnings = reduced.warnings();
     let Library { materials, places } = library::read(source, &reduced, &mut warnings)?;
     let options = tobj::LoadOptions { single_index: true, ignore_points: true, ignore_lines: true, triangulate: false };
@@ -32,7 +38,7 @@ pub(crate) fn load(source: &Source) -> Result<Loaded, SceneError> {
     let (models, _) = text::parse(&source.path, "OBJ", &reduced.text, parse)?;
     let description = describe(source, models, &materials, &mut warnings)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { name, description, warnings })
+    Ok(Loaded { name, description, warnings, lights_left_out: 0 })
 }
 
 fn describe(
@@ -47,12 +53,11 @@ fn describe(
     if models.iter().any(|m| m.mesh.material_id.is_none()) {
         scene.materials.push(material::grey());
     }
-    let mut total = 0;
+    let mut size = GeometrySize::default();
+    let emits = |m: &tobj::Mesh| m.material_id.is_some_and(|i| scene.materials[i].emission != Rgb::ZERO);
+    models.iter().for_each(|m| size.add(triangle_count(&m.mesh), emits(&m.mesh)));
+    size.take(source)?;
     for model in models {
-        total += model.mesh.indices.len();
-        if total > 3 * MAX_ELEMENTS {
-            return Err(source.too_large(format!("object `{}`", model.name), "corners so far", 3 * MAX_ELEMENTS));
-        }
         let material = model.mesh.material_id.unwrap_or(grey) as u32;
         scene.meshes.extend(mesh(model, warnings).map(|m| Mesh { material, ..m }));
     }
@@ -64,6 +69,7 @@ fn describe(
 
 fn mesh(model: tobj::Model, warnings: &mut Vec<String>) -> Option<Mesh> {
     let tobj::Model { mesh, name } = model;
+    let name = shown(&name);
     let (positions, _) = mesh.positions.as_chunks::<3>();
     let (normals, _) = mesh.normals.as_chunks::<3>();
     let smooth = !normals.is_empty() && normals.len() == positions.len();
@@ -79,6 +85,14 @@ fn mesh(model: tobj::Model, warnings: &mut Vec<String>) -> Option<Mesh> {
             .then_some(|i: u32| -> Vec3 { DVec3::from_array(normals[i as usize]).normalize_or_zero().as_vec3() }),
     };
     raw.finish(warnings)
+}
+
+/// How many triangles the faces give; the parser lists no arities where all are triangles.
+fn triangle_count(mesh: &tobj::Mesh) -> usize {
+    match mesh.face_arities.len() {
+        0 => mesh.indices.len() / 3,
+        faces => mesh.indices.len().saturating_sub(2 * faces),
+    }
 }
 
 /// The faces as triangles.
