@@ -10,4 +10,6 @@ mod errors;
 mod obj;
 mod opacity;
 mod paths;
+mod choice;
+mod controls;
 mod support;
