@@ -2,14 +2,12 @@
 //!
 //! `data/` holds the scenes, a folder each; its README says what each is and where its value comes from.
 
+mod choice;
 mod controls;
-mod errors;
-mod geometry;
 mod energy;
 mod errors;
+mod geometry;
 mod obj;
 mod opacity;
 mod paths;
-mod choice;
-mod controls;
 mod support;
