@@ -21,7 +21,7 @@ fn evidence(scene: &str, method: &str, reference: &str, per_pixel: f64) -> Evide
         name => folder.join("stability").join(name).join("scene.gltf"),
     };
     let size = "16x16".parse().expect("a size");
-    let effort = Effort { size, replicas: 24, per_pixel, rounds: 8, seed: 1 };
+    let effort = Effort { size, replicas: 24, per_pixel: Some(per_pixel), rounds: Some(8), seed: 1 };
     let subject = Subject::load(&file, effort).expect("loaded");
     let interrupt = Interrupt::default();
     let (replicas, _) = subject.replicas(&method.parse().expect("a method"), &interrupt).expect("rendered");

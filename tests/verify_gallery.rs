@@ -20,7 +20,8 @@ const KNOWN: [(&str, &str); 3] = [("tiny-and-huge", "mlt"), ("tiny-and-huge", "b
 
 fn subject(file: &Path, seed: u64, factor: f64) -> Subject {
     let (size, (replicas, per_pixel, rounds)) = ("16x16".parse().expect("a size"), EFFORT);
-    Subject::load(file, Effort { size, replicas, per_pixel: factor * per_pixel, rounds, seed }).expect("loaded")
+    Subject::load(file, Effort { size, replicas, per_pixel: Some(factor * per_pixel), rounds: Some(rounds), seed })
+        .expect("loaded")
 }
 
 fn verdicts(file: &Path) -> Vec<Verdict> {

@@ -2,6 +2,7 @@
 //!
 //! `data/` holds the scenes, a folder each; its README says what each is and where its value comes from.
 
+mod choice;
 mod controls;
 mod energy;
 mod errors;

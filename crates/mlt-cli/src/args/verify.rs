@@ -10,15 +10,18 @@ use crate::bench::Variant;
 /// Options of `mlt verify`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
-Each method is rendered many times with different seeds, and so is a method that shares little code with it. Reported are:
-whether the two have the same mean image, region by region, and how small an error would have been noticed; whether rounds and
-chains agree; whether 95 % error bars hold the truth in 95 % of pixels; how far the worst seed is from the median; flicker.
+Each method is rendered many times with different seeds, as 'mlt render SCENE' does it unless options say otherwise, and so is
+a method that shares little code with it. Reported are: whether the two have the same mean image, region by region, and how small
+an error would have been noticed; whether rounds and chains agree; whether 95 % error bars hold the truth in 95 % of pixels; how
+far the worst seed is from the median; flicker. With --choice instead: whether auto keeps to its budget and its plan, and is never
+much worse than the best of pt, bdpt and mlt with as many rays.
 
 Exit codes: 0 every method can be trusted here, 1 one cannot or cannot be judged, 2 wrong usage, 130 interrupted.
 With --gallery the folder gets stability.md, verdicts/ and scenes/; the same command goes on where an earlier one stopped.")]
 pub struct VerifyOptions {
-    /// glTF or OBJ files, or names of built-in scenes; with --gallery names of its scenes, all of them if none is given
-    #[arg(value_name = "SCENE", required_unless_present = "gallery")]
+    /// glTF or OBJ files, or names of built-in scenes; with --gallery names of its scenes, all of them if none is given; with
+    /// --choice also names of gallery scenes, seven of easy and hard light if none is given
+    #[arg(value_name = "SCENE", required_unless_present_any = ["gallery", "choice"])]
     pub scenes: Vec<PathBuf>,
     /// Judge the scenes of the gallery: those where methods are known to fail
     #[arg(long, requires = "output")]
@@ -26,8 +29,15 @@ pub struct VerifyOptions {
     /// The folder for the gallery's verdicts and table
     #[arg(short, long, value_name = "FOLDER", requires = "gallery")]
     pub output: Option<PathBuf>,
-    /// What to judge: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render'; auto if not given,
-    /// with --gallery every method
+    /// Judge the choice that auto makes between its methods
+    #[arg(long, conflicts_with_all = ["gallery", "methods", "per_pixel", "rounds"])]
+    pub choice: bool,
+    /// Budgets of --choice, samples per pixel
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = per_pixel, default_values_t = [4.0, 64.0])]
+    #[arg(requires = "choice")]
+    pub budgets: Vec<f64>,
+    /// What to judge: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render'; what that does by itself
+    /// if not given, with --gallery every method
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
     pub methods: Vec<Variant>,
     /// What to judge by; bdpt is judged by pt instead
@@ -37,17 +47,17 @@ pub struct VerifyOptions {
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(4..=10_000))]
     pub replicas: u64,
     /// Mutations per pixel of each render; bdpt and pssmlt take an eighth of it, pt, auto and mmlt half, which costs about
-    /// the same
-    #[arg(long, value_name = "N", default_value_t = 256.0, value_parser = per_pixel)]
-    pub per_pixel: f64,
-    /// Rounds of each render
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(4..=4096))]
-    pub rounds: u64,
+    /// the same. What 'mlt render' takes by itself if not given
+    #[arg(long, value_name = "N", value_parser = per_pixel)]
+    pub per_pixel: Option<f64>,
+    /// Rounds of each render; as many as 'mlt render' makes by itself if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(4..=4096))]
+    pub rounds: Option<u64>,
     /// An error of the image that has to be found if it is there
     #[arg(long, value_name = "ERROR", value_parser = relative_error, default_value = "1%")]
     pub detect: f64,
     /// Size of the images in pixels
-    #[arg(long, value_name = "WxH", default_value = "24x24")]
+    #[arg(long, value_name = "WxH", default_value = "64x64")]
     pub size: Size,
     /// The first seed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(..1 << 31))]

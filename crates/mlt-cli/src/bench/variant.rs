@@ -4,7 +4,10 @@ use std::{ffi::OsString, fmt, path::Path, str::FromStr};
 
 use clap::{Args, FromArgMatches};
 
-use crate::{args::render::RenderOptions, exit::one_sentence};
+use crate::{
+    args::render::{RenderOptions, value_name},
+    exit::one_sentence,
+};
 
 /// Options that all runs of a study share, and that a method can therefore not have for itself.
 const SHARED: [&str; 15] = [
@@ -40,6 +43,15 @@ impl Variant {
     pub fn render_options(&self, scene: &Path, more: &[String]) -> Result<RenderOptions, String> {
         let words = self.words.iter().chain(more).map(OsString::from);
         parse(words.chain([OsString::from("--quiet"), OsString::from("--"), scene.into()]))
+    }
+}
+
+impl Default for Variant {
+    /// What `mlt render SCENE` does by itself, under the name of its method.
+    fn default() -> Self {
+        let unnamed = Self { text: String::new(), words: Vec::new() };
+        let method = unnamed.render_options(Path::new("cornell"), &[]).ok().map(|options| value_name(options.method()));
+        Self { text: method.unwrap_or_default(), ..unnamed }
     }
 }
 
@@ -94,6 +106,14 @@ mod tests {
         let found = options("mlt:4x3:importance=luminance:rounds=4").expect("valid");
         assert_eq!((found.strata.to_string(), found.rounds), ("4x3".to_owned(), Some(4)));
         assert_eq!(options("mlt:rounds=4").map(|options| options.rounds), Ok(Some(4)));
+    }
+
+    #[test]
+    fn by_default_it_is_what_render_does_by_itself() {
+        let (found, plain) = (Variant::default(), "auto".parse::<Variant>().expect("valid"));
+        let options = |variant: &Variant| variant.render_options(Path::new("cornell"), &[]).expect("valid");
+        assert_eq!((found.to_string(), options(&found).method), ("auto".into(), None));
+        assert_eq!(options(&found).method(), options(&plain).method());
     }
 
     #[test]

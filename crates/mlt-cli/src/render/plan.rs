@@ -42,8 +42,10 @@ impl Plan {
         match options.budget() {
             Some(Budget::MutationsPerPixel(n) | Budget::SamplesPerPixel(n)) => open.sized(n),
             Some(Budget::Time(time)) => Self { time: Some(time), ..open },
-            Some(Budget::Error(error)) => Self { per_pixel: Some(usual(method) / 8.0), error: Some(error), ..open },
-            None => open.sized(usual(method)),
+            Some(Budget::Error(error)) => {
+                Self { per_pixel: Some(Self::usual(method) / 8.0), error: Some(error), ..open }
+            }
+            None => open.sized(Self::usual(method)),
         }
     }
 
@@ -79,14 +81,14 @@ impl Plan {
         let total = per_pixel * rounds as f64;
         format!("--{}-per-pixel {total}", method.unit())
     }
-}
 
-/// Mutations or samples a pixel of a render that nothing is said about.
-fn usual(method: Method) -> f64 {
-    match method {
-        Method::Mlt | Method::Mmlt => 128.0,
-        Method::Bdpt | Method::Pssmlt => 32.0,
-        Method::Auto | Method::Pt => 64.0,
+    /// Mutations or samples a pixel of a render that nothing is said about.
+    pub fn usual(method: Method) -> f64 {
+        match method {
+            Method::Mlt | Method::Mmlt => 128.0,
+            Method::Bdpt | Method::Pssmlt => 32.0,
+            Method::Auto | Method::Pt => 64.0,
+        }
     }
 }
 

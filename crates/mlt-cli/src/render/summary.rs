@@ -45,6 +45,7 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
         mutations: counts.steps(),
         samples: counts.samples + counts.strata.iter().map(|s| s.samples).sum::<u64>(),
         rays: counts.rays,
+        chain_rays: counts.strata.iter().map(|s| s.chain_work + s.sample_work).sum(),
         pilot_mutations: counts.pilot_mutations,
         pilot_rays: counts.pilot_rays,
         acceptance: acceptance(&mutations),

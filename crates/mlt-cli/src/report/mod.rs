@@ -58,6 +58,8 @@ pub struct Report {
     pub samples: u64,
     /// Rays traced, shadow rays included.
     pub rays: u64,
+    /// Those of chains and of the samples that they start from.
+    pub chain_rays: u64,
     /// Mutations of the pilot, not in `mutations`; they went into no image.
     pub pilot_mutations: u64,
     /// Rays of the pilot, not in `rays`.
@@ -265,6 +267,7 @@ mod tests {
             mutations: 3_000_000,
             samples: 1000,
             rays: 9_000_000,
+            chain_rays: 0,
             pilot_mutations: 100_000,
             pilot_rays: 400_000,
             acceptance: Acceptance { mutations, total: Some(0.25) },

@@ -5,6 +5,7 @@
 
 pub mod bias;
 pub mod chains;
+pub mod choice;
 pub mod errors;
 pub mod evidence;
 mod gallery;
@@ -25,6 +26,9 @@ use verdict::{Names, Status, Verdict, judge};
 pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     let threads = options.threads.map_or(0, std::num::NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("cannot start the threads")?;
+    if options.choice {
+        return pool.install(|| choice::run(options));
+    }
     let court = Court::new(options)?;
     let scenes = if options.gallery { gallery::scenes(options)? } else { Vec::new() };
     let verdicts = pool.install(|| match &options.output {
@@ -61,10 +65,9 @@ type Keep<'a> = dyn FnMut(&Variant, &mut Verdict) -> Result<(), Failure> + 'a;
 
 impl Court {
     fn new(options: &VerifyOptions) -> Result<Self, Failure> {
-        let default = |text: &str| text.parse().map_err(|message: String| Failure::Run(anyhow::anyhow!(message)));
         let methods = match (&options.methods[..], options.gallery) {
             ([], true) => gallery::all_methods()?,
-            ([], false) => vec![default("auto")?],
+            ([], false) => vec![Variant::default()],
             (given, _) => given.to_vec(),
         };
         let VerifyOptions { size, replicas, per_pixel, rounds, seed, .. } = *options;

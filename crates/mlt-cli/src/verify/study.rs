@@ -35,10 +35,10 @@ pub struct Effort {
     pub size: Size,
     /// Renders of each method.
     pub replicas: u64,
-    /// Mutations per pixel of each; other methods take as many as cost about the same.
-    pub per_pixel: f64,
-    /// Rounds of each.
-    pub rounds: u64,
+    /// Mutations per pixel of each; other methods take as many as cost about the same. `None`: what a render takes by itself.
+    pub per_pixel: Option<f64>,
+    /// Rounds of each; `None`: as many as a render makes by itself.
+    pub rounds: Option<u64>,
     /// The first seed.
     pub seed: u64,
 }
@@ -47,17 +47,27 @@ impl Effort {
     /// Everything that decides the images.
     pub fn identity(&self) -> String {
         let Self { size, replicas, per_pixel, rounds, seed } = self;
-        format!("{size}, {replicas} replicas of {per_pixel} per pixel in {rounds} rounds, seeds from {seed}")
+        let budget = per_pixel.map_or("the usual budget".into(), |n| format!("{n} per pixel"));
+        let rounds = rounds.map_or("the usual rounds".into(), |n| format!("{n} rounds"));
+        format!("{size}, {replicas} replicas of {budget} in {rounds}, seeds from {seed}")
+    }
+
+    /// Mutations or samples a pixel of this method, and rounds, as options of a render.
+    fn options_of(&self, method: Method) -> Vec<String> {
+        let budget = self.per_pixel.map(|_| Plan::budget_option(method, self.per_pixel_of(method), 1));
+        let budget = budget.iter().flat_map(|option| option.split_whitespace().map(str::to_owned));
+        budget.chain(self.rounds.map(|rounds| format!("--rounds={rounds}"))).collect()
     }
 
     /// Mutations or samples a pixel of this method, one a round at least.
     fn per_pixel_of(&self, method: Method) -> f64 {
+        let Some(per_pixel) = self.per_pixel else { return Plan::usual(method) };
         let cost = match method {
             Method::Bdpt | Method::Pssmlt => 8.0,
             Method::Auto | Method::Pt | Method::Mmlt => 2.0,
             _ => 1.0,
         };
-        (self.per_pixel / cost).max(self.rounds as f64)
+        (per_pixel / cost).max(self.rounds.map_or(1.0, |rounds| rounds as f64))
     }
 }
 
@@ -93,10 +103,9 @@ impl Subject {
     /// Replicas of a method, and relMSE between two frames with the lights moved.
     pub fn replicas(&self, variant: &Variant, interrupt: &Interrupt) -> Result<(Vec<Replica>, f64), Failure> {
         let base = options(variant, &self.scene, &[])?.method();
-        let per_pixel = self.effort.per_pixel_of(base);
-        let render = |setup: &Setup, index: u64| {
-            self.render(variant, setup, per_pixel, self.effort.rounds, self.effort.seed + index, interrupt)
-        };
+        let words = self.effort.options_of(base);
+        let render =
+            |setup: &Setup, index: u64| self.render(variant, setup, &words, self.effort.seed + index, interrupt);
         let made: Result<Vec<Replica>, Failure> =
             (0..self.effort.replicas).into_par_iter().map(|index| render(&self.setup, index)).collect();
         let (made, moved) = (made?, render(&self.moved, 0)?);
@@ -111,13 +120,14 @@ impl Subject {
     pub fn reference(&self, variant: &Variant, interrupt: &Interrupt) -> Result<Reference, Failure> {
         let base = options(variant, &self.scene, &[])?.method();
         let per_pixel = (self.effort.per_pixel_of(base) / self.groups.len() as f64).ceil();
+        let words = format!("--rounds=1 {}", Plan::budget_option(base, per_pixel, 1));
+        let words: Vec<_> = words.split_whitespace().map(str::to_owned).collect();
         let parts: Result<Vec<Vec<Vec<f64>>>, Failure> = (0..self.effort.replicas)
             .into_par_iter()
             .map(|index| {
                 let seed = REFERENCE_SEEDS + self.effort.seed + index;
-                let part = |(_, setup): &(String, Setup)| {
-                    Ok(self.render(variant, setup, per_pixel, 1, seed, interrupt)?.pixels)
-                };
+                let part =
+                    |(_, setup): &(String, Setup)| Ok(self.render(variant, setup, &words, seed, interrupt)?.pixels);
                 self.groups.iter().map(part).collect()
             })
             .collect();
@@ -128,14 +138,11 @@ impl Subject {
         &self,
         variant: &Variant,
         setup: &Setup,
-        per_pixel: f64,
-        rounds: u64,
+        words: &[String],
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<Replica, Failure> {
-        let method = options(variant, &self.scene, &[])?.method();
-        let mut words = vec![format!("--seed={seed}"), format!("--rounds={rounds}")];
-        words.extend(Plan::budget_option(method, per_pixel, 1).split_whitespace().map(str::to_owned));
+        let words = [&[format!("--seed={seed}")], words].concat();
         let rendered = render::in_memory(&options(variant, &self.scene, &words)?, setup, interrupt)?;
         if rendered.report.interrupted {
             return Err(Failure::InterruptedEarly(anyhow::anyhow!("interrupted")));

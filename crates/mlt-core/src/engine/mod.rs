@@ -38,7 +38,7 @@ pub use metropolis::{Metropolis, Share, Tally};
 pub use mixture::Mixture;
 pub use mutation::Mutation;
 pub use path::{Path, Splat};
-pub use pilot::{Measure, PILOT, Piloted};
+pub use pilot::{Measure, PILOT, Piloted, events};
 pub use stats::{MutationStats, StratumStats};
 pub use stratum::Stratum;
 pub use sum::{Sum, SumTally};

@@ -1,7 +1,7 @@
 //! Pilot rounds: what each stratum contributes, how noisy it is, and what that costs.
 
 use super::{
-    Deposits, Estimator, Importance, Metropolis, Mutation, Path, Splat, Stratum, StratumStats, Tally,
+    Deposits, Estimator, Importance, Metropolis, Mutation, Path, Share, Splat, Stratum, StratumStats, Tally,
     metropolis::Prepared,
 };
 use rayon::prelude::*;
@@ -26,6 +26,9 @@ pub struct Measure {
     pub b_stderr: f64,
     /// b_j² σ_j² τ_j: n Σ_p w_p Var over rounds, from the chains' visits alone; `None` if fewer than two rounds found light.
     pub chain_error: Option<f64>,
+    /// How well `chain_error` is known: the number of equal events, each of which may come or not, that would spread as
+    /// the rounds' shares of it do; infinite if it is known exactly.
+    pub chain_events: f64,
     /// Σ_p w_p μ_jp² times the variance of one sample's weight over b_j², μ_jp the stratum's image.
     pub sample_error: f64,
     /// Variance of one sample's weight over b_j².
@@ -37,6 +40,12 @@ pub struct Measure {
 }
 
 impl Measure {
+    /// The error that a share leaves.
+    pub fn error(&self, share: &Share) -> f64 {
+        let [n, m] = [share.mutations, share.samples].map(|count| count.max(1) as f64);
+        self.chain_error.unwrap_or(0.0) / n * (1.0 + self.spread / m) + self.sample_error / m
+    }
+
     /// What the union of disjoint strata is expected to be, as one stratum whose chains visit each in proportion to its b.
     pub fn of_union(parts: &[Self]) -> Self {
         let sum = |value: &dyn Fn(&Self) -> f64| -> f64 { parts.iter().map(value).sum() };
@@ -49,6 +58,7 @@ impl Measure {
             b,
             b_stderr: sum(&|m| m.b_stderr * m.b_stderr).sqrt(),
             chain_error: measured.then(|| sum(&noise)),
+            chain_events: parts.iter().map(|m| m.chain_events).fold(f64::INFINITY, f64::min),
             sample_error: sum(&|m| m.sample_error),
             // As if their samples' weights did not hang together.
             spread: if b > 0.0 { sum(&|m| m.spread * m.b * m.b) / (b * b) } else { 0.0 },
@@ -69,6 +79,7 @@ pub struct Piloted {
 }
 
 /// Visits of a stratum's chains in one round to one site, as a share of all: deposits over b̂_j.
+#[derive(Clone, Copy)]
 struct Visits {
     site: u32,
     round: u64,
@@ -135,27 +146,37 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
             self.tally(&mut tally, &prepared, tallies);
         }
         let lit_rounds = |stats: &StratumStats| count - stats.dark_rounds;
-        let moments: Vec<_> = (visits.into_par_iter().zip(&tally.strata))
-            .map(|(visits, stats)| moments(visits, lit_rounds(stats)))
-            .collect();
+        let visits: Vec<_> = visits.into_par_iter().map(by_site).collect();
+        let moments: Vec<_> =
+            (visits.par_iter().zip(&tally.strata)).map(|(visits, stats)| moments(visits, lit_rounds(stats))).collect();
         let images: Vec<Vec<_>> = (tally.strata.iter().zip(&moments))
             .map(|(stats, moments)| moments.iter().map(|m| (m.site, stats.b() * m.mean)).collect())
             .collect();
         let mut image = vec![0.0; sites as usize];
         images.iter().flatten().for_each(|&(site, value)| image[site as usize] += value);
         let weights = weigh(&image);
-        let measures = (self.shares.iter().zip(&tally.strata).zip(&moments))
-            .map(|((share, stats), moments)| measure(share.mutations, stats, moments, lit_rounds(stats), &weights))
+        let strata = self.shares.iter().zip(&tally.strata);
+        let measures = strata
+            .zip(visits.iter().zip(&moments))
+            .map(|((share, stats), (visits, moments))| {
+                measure(share.mutations, stats, (visits, moments), lit_rounds(stats), &weights)
+            })
             .collect();
         Piloted { measures, images, tally }
     }
 }
 
-fn moments(mut visits: Vec<Visits>, rounds: u64) -> Vec<Moments> {
+/// In order of the sites, with those of all chains of a round as one.
+fn by_site(mut visits: Vec<Visits>) -> Vec<Visits> {
     visits.sort_by_key(|v| (v.site, v.round));
+    let same = |a: &Visits, b: &Visits| (a.site, a.round) == (b.site, b.round);
+    let sum = |v: &[Visits]| Visits { share: v.iter().map(|v| v.share).sum(), ..v[0] };
+    visits.chunk_by(same).map(sum).collect()
+}
+
+fn moments(visits: &[Visits], rounds: u64) -> Vec<Moments> {
     let at_site = |visits: &[Visits]| {
-        let in_round = visits.chunk_by(|a, b| a.round == b.round).map(|v| v.iter().map(|v| v.share).sum::<f64>());
-        let (sum, squares) = in_round.fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
+        let (sum, squares) = visits.iter().fold((0.0, 0.0), |(s, q), v| (s + v.share, q + v.share * v.share));
         let mean = sum / rounds as f64;
         let variance = (squares - sum * mean).max(0.0) / (rounds as f64 - 1.0).max(1.0);
         Moments { site: visits[0].site, mean, variance }
@@ -163,7 +184,13 @@ fn moments(mut visits: Vec<Visits>, rounds: u64) -> Vec<Moments> {
     visits.chunk_by(|a, b| a.site == b.site).map(at_site).collect()
 }
 
-fn measure(mutations: u64, stats: &StratumStats, moments: &[Moments], rounds: u64, weights: &[f64]) -> Measure {
+fn measure(
+    mutations: u64,
+    stats: &StratumStats,
+    (visits, moments): (&[Visits], &[Moments]),
+    rounds: u64,
+    weights: &[f64],
+) -> Measure {
     let b = stats.b();
     let weighted =
         |value: fn(&Moments) -> f64| -> f64 { moments.iter().map(|m| weights[m.site as usize] * value(m)).sum() };
@@ -175,6 +202,7 @@ fn measure(mutations: u64, stats: &StratumStats, moments: &[Moments], rounds: u6
         b,
         b_stderr: stats.b_stderr(),
         chain_error: (rounds > 1).then_some(b * b * variance * mutations as f64),
+        chain_events: chain_events(visits, moments, rounds, weights),
         sample_error: square * stats.weight_variance(),
         spread: if b > 0.0 { stats.weight_variance() / (b * b) } else { 0.0 },
         mutation_cost: each(stats.chain_work, stats.steps()),
@@ -182,10 +210,36 @@ fn measure(mutations: u64, stats: &StratumStats, moments: &[Moments], rounds: u6
     }
 }
 
+/// What [`Measure::chain_events`] says, from d_r = Σ_p w_p (X_pr − μ_p)² of each round r.
+fn chain_events(visits: &[Visits], moments: &[Moments], rounds: u64, weights: &[f64]) -> f64 {
+    let unlit: f64 = moments.iter().map(|m| weights[m.site as usize] * m.mean * m.mean).sum();
+    let mut deviations: Vec<(u64, f64)> = Vec::new();
+    for (visits, m) in visits.chunk_by(|a, b| a.site == b.site).zip(moments) {
+        for v in visits {
+            let more = weights[m.site as usize] * v.share * (v.share - 2.0 * m.mean);
+            match deviations.iter_mut().find(|(round, _)| *round == v.round) {
+                Some((_, sum)) => *sum += more,
+                None => deviations.push((v.round, unlit + more)),
+            }
+        }
+    }
+    events(deviations.into_iter().map(|(_, d)| d).chain(std::iter::repeat(unlit)).take(rounds as usize))
+}
+
+/// How many equal events, each of which comes or not by Poisson's law, would vary as a sum of independent values of one law
+/// does: one over its relative variance; infinite if all values are the same.
+///
+/// The mean of n values x has the relative variance n/(n − 1) (Σ x²/(Σ x)² − 1/n).
+pub fn events(values: impl Iterator<Item = f64>) -> f64 {
+    let (n, sum, squares) = values.fold((0.0, 0.0, 0.0), |(n, s, q), x| (n + 1.0, s + x, q + x * x));
+    let variance = n / (n - 1.0) * (squares / (sum * sum) - 1.0 / n);
+    if variance > 0.0 { variance.recip() } else { f64::INFINITY }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Film, MUTATIONS_A_SAMPLE, Mixture, Share, allocate, render, shares_by_power, uniform};
+    use crate::engine::{Film, MUTATIONS_A_SAMPLE, Mixture, allocate, render, shares_by_power, uniform};
     use rand_pcg::rand_core::Rng;
     use std::ops::ControlFlow;
 

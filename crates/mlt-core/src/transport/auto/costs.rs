@@ -1,10 +1,12 @@
 //! From what a pilot measured to errors and costs of each part.
 
-use super::TIME_OF_A_CHAINS_RAY;
 use super::candidates::Candidate;
 use super::decide::Costs;
+use super::doubt::upper;
 use super::measure::Measured;
 use super::parts::Parts;
+use super::share::side;
+use super::tails::Tail;
 use crate::engine::Measure;
 use crate::transport::adapt::weights_of_smooth;
 use crate::transport::blur::blurred;
@@ -12,6 +14,10 @@ use crate::transport::kind::Kinds;
 
 /// Squared relative noise of the smoothed image below which it needs no more smoothing.
 const SMOOTH: f64 = 0.05;
+/// Share of a part's light that a method is to have met.
+const MET: f64 = 0.5;
+/// Share of the image's light that matters.
+const NOTABLE: f64 = 0.03;
 /// Largest radius of the smoothing, as a share of the image's longer side.
 const WIDEST: f64 = 0.125;
 
@@ -56,6 +62,15 @@ pub(super) fn per_pixel(measure: Measure, from: u32, to: u32) -> Measure {
     }
 }
 
+/// What chains found in a part.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Chained {
+    /// See [`per_pixel`].
+    pub(super) measure: Measure,
+    /// Mean over pixels, and its standard error.
+    pub(super) energy: [f64; 2],
+}
+
 /// What was found of the independent methods.
 pub(super) struct Findings<'a> {
     pub(super) parts: &'a Parts<'a>,
@@ -66,54 +81,106 @@ pub(super) struct Findings<'a> {
     pub(super) weights: &'a [f64],
     /// Second moments that both have not met, part by part: see [`Tails`](super::tails::Tails). None of lamps in view: none is rarer
     /// than it is small, and the rays that meet it are well spread.
-    pub(super) tails: Vec<[f64; 2]>,
+    pub(super) tails: Vec<[Tail; 2]>,
 }
 
 impl Findings<'_> {
-    /// What each part costs each estimator; `chains`: see [`per_pixel`].
-    pub(super) fn costs(&self, chains: &[Measure]) -> Vec<Costs> {
-        chains.iter().enumerate().map(|(part, chains)| self.of_part(part, chains)).collect()
+    /// What each part costs each estimator.
+    pub(super) fn costs(&self, chains: &[Chained]) -> Vec<Costs> {
+        let most = self.candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
+        let rarely = self.rarely_met(chains);
+        let of_part = |(part, chained): (usize, &Chained)| {
+            let of_chains = |bound: f64| self.of_chains(part, chained, bound);
+            let (chains, at_most) = (of_chains(1.0), of_chains(upper(chained.measure.chain_events)));
+            let found = self.errors(part, chained);
+            // How noisy a method is where it meets light rarely, nobody knows: chains have it, if they are of any use.
+            let unknown = |method: usize| chains.is_finite() && rarely[part][method];
+            let errors = [0, 1].map(|method| if unknown(method) { f64::INFINITY } else { found[method] });
+            let kinds = self.parts.group(part);
+            let of = |c: &Candidate| match c.scale(kinds, most) {
+                scale if scale.is_finite() => scale * errors[usize::from(!c.is_path())],
+                scale => scale,
+            };
+            let rare = [0, 1].into_iter().any(unknown);
+            Costs { independent: self.candidates.iter().map(of).collect(), chains, at_most, rare }
+        };
+        chains.iter().enumerate().map(of_part).collect()
+    }
+
+    /// Whether each part has light that matters and that path tracing, and bidirectional path tracing, were to meet fewer than
+    /// ten times. Longer paths come the same way.
+    fn rarely_met(&self, chains: &[Chained]) -> Vec<[bool; 2]> {
+        let light: Vec<_> = chains.iter().enumerate().map(|(part, chained)| self.light(part, chained)).collect();
+        let image: f64 = light.iter().sum();
+        let is_rare = |part: usize, method: usize| {
+            let unmet = self.unmet(part, method);
+            unmet > 1.0 - MET && unmet * light[part] > NOTABLE * image
+        };
+        let of_part = |part: usize| [0, 1].map(|m| self.parts.no_longer_than(part).any(|part| is_rare(part, m)));
+        (0..chains.len()).map(of_part).collect()
+    }
+
+    /// The part's light, as far as anyone found it.
+    fn light(&self, part: usize, chained: &Chained) -> f64 {
+        self.measured.iter().map(|m| m.energy(part)[0]).fold(chained.energy[0], f64::max)
+    }
+
+    /// Share of the part's light that a method was to meet fewer than ten times.
+    fn unmet(&self, part: usize, method: usize) -> f64 {
+        if self.measured[method].largest[part] > 0.0 { self.tails[part][method].light } else { 1.0 }
+    }
+
+    /// Error × work of chains, their noise being so many times what was measured.
+    fn of_chains(&self, part: usize, chained: &Chained, bound: f64) -> f64 {
+        match chained.measure.chain_error {
+            // A few rounds do not tell which of the lamps in view, or of their images, chains have not found, and camera
+            // rays find them all.
+            _ if self.parts.group(part).is_within(Kinds::SEEN) => f64::INFINITY,
+            Some(error) => side(&Measure { chain_error: Some(bound * error), ..chained.measure }).powi(2),
+            // Chains that found no light where samples did are no use.
+            None if self.measured.iter().any(|m| m.energy(part)[0] > 0.0) => f64::INFINITY,
+            None => 0.0,
+        }
+    }
+
+    /// What path tracing and bidirectional path tracing leave of a part, for one sample a pixel.
+    fn errors(&self, part: usize, chained: &Chained) -> [f64; 2] {
+        let Self { measured, weights, tails, .. } = self;
+        let (pixels, weight) = (weights.len() as f64, weights.iter().sum::<f64>() / weights.len() as f64);
+        let found = measured.each_ref().map(|m| m.energy(part));
+        let all = found.iter().chain([&chained.energy]);
+        let certain = all.map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
+        let met = |method: usize| measured[method].error(part, weights) + tails[part][method].moment;
+        let error = |method: usize| {
+            let (m, [energy, _]) = (&measured[method], found[method]);
+            // What N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
+            let missed = weight * (0.5 * certain - energy).max(0.0).powi(2) * m.samples * pixels / 3.0;
+            // If it found no light, the other one's noise is the best that is known.
+            let unknown = if energy > 0.0 { 0.0 } else { met(1 - method) };
+            met(method).max(missed).max(unknown)
+        };
+        [0, 1].map(error)
+    }
+
+    /// What chains may leave of parts where they have hardly found light, but samples have: nothing better is known than the most
+    /// that they leave of any other part, as light goes.
+    pub(super) fn fill_in(&self, chains: &mut [Chained]) {
+        let noise = |c: &Chained| c.measure.chain_error.map(|error| error / (c.energy[0] * c.energy[0]));
+        let worst = chains.iter().filter_map(noise).filter(|q| q.is_finite()).fold(0.0, f64::max);
+        let cost = chains.iter().map(|c| c.measure.mutation_cost).fold(0.0, f64::max);
+        for (part, Chained { measure, .. }) in chains.iter_mut().enumerate() {
+            let found = self.measured.each_ref().map(|m| m.energy(part)[0]);
+            if measure.chain_error.is_none() && worst > 0.0 && found != [0.0; 2] {
+                measure.chain_error = Some(worst * found[0].max(found[1]).powi(2));
+                (measure.chain_events, measure.mutation_cost) = (f64::INFINITY, cost);
+            }
+        }
     }
 
     /// What chains lack of a part's image; `image`: the pixels that they lit.
     pub(super) fn missed_by_chains(&self, part: usize, image: &[(u32, f64)]) -> f64 {
         let both = self.measured.each_ref().map(|m| (m, m.error(part, self.weights) / m.samples));
         missed_by_chains(both, part, image, self.weights)
-    }
-
-    fn of_part(&self, part: usize, chains: &Measure) -> Costs {
-        let Self { parts, candidates, measured, weights, tails } = self;
-        let (pixels, weight) = (weights.len() as f64, weights.iter().sum::<f64>() / weights.len() as f64);
-        let found = measured.each_ref().map(|m| m.energy(part));
-        let certain = found.iter().map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
-        let most = candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
-        let kinds = parts.group(part);
-        let met = |method: usize| measured[method].error(part, weights) + tails[part][method];
-        let error = |method: usize| {
-            let (m, [energy, _]) = (&measured[method], found[method]);
-            // What N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
-            let missed = weight * (0.5 * certain - energy).max(0.0).powi(2) * m.samples * pixels / 3.0;
-            // Of light that it never met nothing better is known than how noisy the other one is.
-            let unknown = if energy > 0.0 { 0.0 } else { met(1 - method) };
-            met(method).max(missed).max(unknown)
-        };
-        let errors = [0, 1].map(error);
-        let of = |c: &Candidate| match c.scale(kinds, most) {
-            scale if scale.is_finite() => scale * errors[usize::from(!c.is_path())],
-            scale => scale,
-        };
-        let independent = candidates.iter().map(of).collect();
-        let side = |error: f64, work: f64| (error * work * TIME_OF_A_CHAINS_RAY).sqrt();
-        let chains = match chains.chain_error {
-            // A few rounds do not tell which of the lamps in view, or of their images, chains have not found, and camera
-            // rays find them all.
-            _ if kinds.is_within(Kinds::SEEN) => f64::INFINITY,
-            Some(error) => side(error, chains.mutation_cost) + side(chains.sample_error, chains.sample_cost),
-            // Chains that found no light where samples did are no use.
-            None if found.iter().any(|[energy, _]| *energy > 0.0) => f64::INFINITY,
-            None => 0.0,
-        };
-        Costs { independent, chains: chains * chains }
     }
 }
 

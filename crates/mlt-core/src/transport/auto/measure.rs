@@ -13,7 +13,7 @@ use rayon::prelude::*;
 const LONG: u64 = 4;
 
 /// Number of pixels with a value or a larger one that are enough to know how often these come.
-const MET: usize = 8;
+const MET: usize = 10;
 
 /// Moments of an independent method in every pixel and part.
 pub(super) struct Measured {

@@ -9,6 +9,7 @@
 mod candidates;
 mod costs;
 mod decide;
+mod doubt;
 mod measure;
 mod parts;
 mod plan;
@@ -28,13 +29,13 @@ use super::strata::{LightStrata, Stratification};
 use super::stratum::LightStratum;
 use crate::engine::{self, Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Piloted, Share, Tally};
 use candidates::Candidate;
-use costs::{Findings, per_pixel, weights};
-use decide::{Costs, decide};
+use costs::{Chained, Findings, per_pixel, weights};
+use decide::{Choice, Costs, Decision, decide};
 use measure::Measured;
 use parts::Parts;
 use plan::summary;
-use share::{good_number, share_out};
-use tails::Tails;
+use share::{Chains, share_out};
+use tails::{Tail, Tails};
 
 pub use candidates::Sampler;
 pub use parts::SomePaths;
@@ -65,8 +66,8 @@ const ROUNDS: u64 = 4;
 const MOST_ROUNDS: u64 = 16;
 /// Time of these over that of a round, at most.
 const CHAIN_ROUNDS_OF_TIME: f64 = 0.75;
-/// Factor by which the measured noise of few rounds of chains may be too large.
-const UNCERTAIN: f64 = 3.0;
+/// Work of chains over what they were promised, at least.
+const LEAST_OF_A_PROMISE: f64 = 0.5;
 /// Most parts of the lights, unless they are asked for.
 const LIGHT_PARTS: usize = 8;
 /// Least share of the power of a part that is asked for: the pilot measures each of them in every pixel.
@@ -104,41 +105,56 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let (tails, sought) = self.tails(view, &parts, &path_space, &measured, &weights);
         let findings =
             Findings { parts: &parts, candidates: &candidates, measured: &measured, weights: &weights, tails };
+        // A round has one sample at least.
+        let budget = self.per_pixel.max(1.0) * measured[0].work;
         let work: Vec<_> = candidates.iter().map(|candidate| candidate.work).collect();
-        let (costs, chains, chained) = self.costs(view, &path_space, &findings, &work);
-        let decision = decide(&work, &costs);
-        let budget = self.per_pixel * measured[0].work;
-        let samples = decision.independent.map_or(0.0, |m| match candidates[m].sampler {
-            Sampler::Path { branches: 1 } if decision.chain_share == 0.0 => self.per_pixel,
-            _ => good_number(budget, &decision, work[m]),
+        let choose = |costs: &[Costs]| decide(budget, &work, costs);
+        let (costs, measures, chained) = self.costs(view, &path_space, &findings, &choose);
+        let (decision, chains) = self.hand_out(&parts, choose(&costs), &measures);
+        let summary = summary(&parts, &decision, &costs, &candidates);
+        let independent = decision.independent.map(|(m, samples)| match candidates[m].sampler {
+            // As many as were asked for.
+            sampler @ Sampler::Path { branches: 1 } if decision.chain_work == 0.0 => (sampler, self.per_pixel),
+            sampler => (sampler, samples),
         });
-        let rest = budget - decision.independent.map_or(0.0, |m| samples * work[m]);
-        let work_of_chains = rest * f64::from(self.view.camera.pixels());
-        let usual = mutations_a_sample(self.view, engine::MUTATIONS_A_SAMPLE);
-        let (kinds, shares) = share_out(&parts, &decision, &chains, work_of_chains, usual);
-        let independent = decision.independent.map(|m| (candidates[m].sampler, samples));
         let sampled = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
         let sampled = PilotCounts { mutations: 0, rays: sampled as u64 };
-        let summary = summary(&parts, &decision, &costs, &candidates);
-        (Plan { independent, chained: kinds, shares, summary, strata }, sampled + sought + chained)
+        let plan = Plan { independent, chained: chains.kinds, shares: chains.shares, summary, strata };
+        (plan, sampled + sought + chained)
     }
 
-    /// What each part costs each estimator, and what chains find there, from more rounds if it depends on them what is
-    /// decided; and what the rounds took.
+    /// Gives chains their shares: of the mixture, if that is still better than the best method alone with the numbers that
+    /// they get in fact.
+    fn hand_out(&self, parts: &Parts, choice: Choice, measures: &[Measure]) -> (Decision, Chains) {
+        let pixels = f64::from(self.view.camera.pixels());
+        let usual = mutations_a_sample(self.view, engine::MUTATIONS_A_SAMPLE);
+        let with_shares = |decision: Decision| {
+            let chains = share_out(parts, &decision, measures, decision.chain_work * pixels, usual);
+            debug_assert!(chains.work > LEAST_OF_A_PROMISE, "chains were promised {decision:?}");
+            (decision.with(&chains), chains)
+        };
+        let single = choice.single.product();
+        let mixture = choice.mixture.map(with_shares).filter(|(mixture, _)| mixture.product() <= single);
+        mixture.unwrap_or_else(|| with_shares(choice.single))
+    }
+
+    /// What each part costs each estimator, and what chains find there, from more rounds if chains are to do anything; and
+    /// what the rounds took.
     fn costs(
         &self,
         view: View,
         path_space: &[LightStratum],
         findings: &Findings,
-        work: &[f64],
+        choose: &dyn Fn(&[Costs]) -> Choice,
     ) -> (Vec<Costs>, Vec<Measure>, PilotCounts) {
         let measure = |rounds| {
             let (chains, tally) = self.chains(view, path_space, findings, rounds);
-            (findings.costs(&chains), chains, PilotCounts::of(&tally))
+            let measures = chains.iter().map(|c| c.measure).collect();
+            (findings.costs(&chains), measures, PilotCounts::of(&tally))
         };
         let (costs, chains, first) = measure(ROUNDS);
         let more = self.more_rounds(view.camera.pixels());
-        if more <= ROUNDS || !hopeful(work, &costs) {
+        if more <= ROUNDS || choose(&costs).best().chain_work == 0.0 {
             return (costs, chains, first);
         }
         let (costs, chains, second) = measure(more);
@@ -201,7 +217,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         strata: &[LightStratum],
         measured: &[Measured; 2],
         weights: &[f64],
-    ) -> (Vec<[f64; 2]>, PilotCounts) {
+    ) -> (Vec<[Tail; 2]>, PilotCounts) {
         let largest = |part: usize| measured.each_ref().map(|m| m.largest[part]);
         let largest: Vec<_> = parts.open_to_chains().into_iter().map(largest).collect();
         let (importance, next_event, seed) = (self.importance, self.next_event, self.seed);
@@ -213,7 +229,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
     }
 
     /// What chains find in each part.
-    fn chains(&self, view: View, strata: &[LightStratum], findings: &Findings, rounds: u64) -> (Vec<Measure>, Tally) {
+    fn chains(&self, view: View, strata: &[LightStratum], findings: &Findings, rounds: u64) -> (Vec<Chained>, Tally) {
         let mutations = self.mutations(view.camera.pixels(), strata.len());
         let shares = vec![Share { mutations, samples: mutations.div_ceil(MUTATIONS_A_SAMPLE) }; strata.len()];
         let mixture = Mixture::new(PathMutation::all(view));
@@ -223,19 +239,22 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let Piloted { measures, images, tally } =
             chains.pilot(pixels, CHAIN_PILOT..CHAIN_PILOT + rounds, &|_| findings.weights.to_vec());
         let of_image = |(part, (measure, image)): (usize, (Measure, Vec<_>))| {
+            let energy = image.iter().map(|(_, value)| value).sum::<f64>() / f64::from(pixels);
+            let relative = if measure.b > 0.0 { measure.b_stderr / measure.b } else { 0.0 };
             let missed = findings.missed_by_chains(part, &image) * (rounds * mutations) as f64;
-            let chain_error = measure.chain_error.map(|error| error.max(missed));
-            per_pixel(Measure { chain_error, ..measure }, pixels, self.view.camera.pixels())
+            let measure = match measure.chain_error {
+                Some(error) if error < missed => {
+                    Measure { chain_error: Some(missed), chain_events: f64::INFINITY, ..measure }
+                }
+                _ => measure,
+            };
+            let measure = per_pixel(measure, pixels, self.view.camera.pixels());
+            Chained { measure, energy: [energy, relative * energy] }
         };
         let open = findings.parts.open_to_chains();
         let found = open.into_iter().zip(measures.into_iter().zip(images)).map(of_image).collect();
-        (findings.parts.of_all(found), tally)
+        let mut found = findings.parts.of_all(found);
+        findings.fill_in(&mut found);
+        (found, tally)
     }
-}
-
-/// Whether chains would have a part if they left much less noise than a few rounds seem to tell: the noise of so few of them
-/// is known to a factor of that order.
-fn hopeful(work: &[f64], costs: &[Costs]) -> bool {
-    let quieter = |c: &Costs| Costs { chains: c.chains / UNCERTAIN, ..c.clone() };
-    decide(work, &costs.iter().map(quieter).collect::<Vec<_>>()).chain_share > 0.0
 }

@@ -53,6 +53,15 @@ impl<'a> Parts<'a> {
         self.groups[part % self.groups.len()]
     }
 
+    /// A part and those of the same light's parts that may be left to chains, have shorter paths, and meet a specular surface first
+    /// if its paths do.
+    pub(super) fn no_longer_than(&self, part: usize) -> impl Iterator<Item = usize> {
+        let specular = |part: usize| self.group(part).iter().all(|kind| kind.index() % 2 == 1);
+        let open = move |&other: &usize| !self.group(other).is_within(Kinds::SEEN) && specular(other) == specular(part);
+        let first = part - part % self.groups.len();
+        (first..part).filter(open).chain([part])
+    }
+
     /// The parts that may be left to chains: all but what camera rays meet by themselves.
     pub(super) fn open_to_chains(&self) -> Vec<usize> {
         (0..self.len()).filter(|&part| !self.group(part).is_within(Kinds::SEEN)).collect()
@@ -101,5 +110,30 @@ impl Selection for SomePaths<'_> {
     #[inline]
     fn contains(&self, end: &PathEnd) -> bool {
         self.kinds[stratum(self.lights, self.strata, end)].contains(end.kind)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transport::strata::Stratification;
+    use crate::transport::testing::pond;
+
+    #[test]
+    fn longer_paths_follow_those_that_meet_light_alike() {
+        let world = pond();
+        let lights = world.scene.lights();
+        let strata = LightStrata::new(lights, Stratification::None);
+        let names = |specular: bool, part: usize| -> Vec<String> {
+            let parts = Parts::new(lights, &strata, 100, specular);
+            parts.no_longer_than(part).map(|part| parts.group(part).to_string()).collect()
+        };
+        assert_eq!(names(false, 2), ["2 edges", "3-4 edges"]);
+        assert_eq!(
+            names(true, 5),
+            ["2 edges", "3-4 edges, first not specular", "5-8, 9-16, 17+ edges, first not specular"]
+        );
+        assert_eq!(names(true, 6), ["3-4 edges, first specular", "5-8, 9-16, 17+ edges, first specular"]);
+        assert_eq!(names(true, 0), ["1 edges"]);
     }
 }

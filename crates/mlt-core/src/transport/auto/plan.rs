@@ -61,7 +61,8 @@ pub struct Summary {
 /// What a pilot found of one part of path space.
 ///
 /// Each noise is error × work: the part's contribution to the image's mean of Var/(L² + (L̄/10)²), times the rays that
-/// were traced for it a pixel. It is infinite where a method missed what another one found, and where it is not used.
+/// were traced for it a pixel. It is infinite where a method missed what another one found, where it rests on too few
+/// events, and where it is not used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartSummary {
     /// Which part of the lights.
@@ -93,8 +94,8 @@ pub(super) fn summary(parts: &Parts, decision: &Decision, costs: &[Costs], candi
         in_chains: decision.in_chains[i],
     };
     Summary {
-        sampler: decision.independent.map(|m| candidates[m].sampler),
-        chain_share: decision.chain_share,
+        sampler: decision.independent.map(|(m, _)| candidates[m].sampler),
+        chain_share: decision.chain_share(),
         parts: costs.iter().enumerate().map(part).collect(),
     }
 }

@@ -24,6 +24,8 @@ const NEW: f64 = 1.01;
 /// Σ_s ∫_{v_s > V} u v_s² p_s dμ = b E_{x ~ I/b}[ u Σ_{s: v_s > V} v_s² p_s / I ].
 ///
 /// Roulette, which makes values larger and rarer, is left out, so the truth may be larger still.
+///
+/// The share of a part's light that comes in such values is Σ_s ∫_{v_s > V} w_s I dμ / b = E_{x ~ I/b}[ Σ_{s: v_s > V} w_s ].
 pub(super) struct Tails<'a, I> {
     pub(super) view: View<'a>,
     pub(super) importance: &'a I,
@@ -33,6 +35,24 @@ pub(super) struct Tails<'a, I> {
     pub(super) weights: &'a [f64],
     /// Power of all lights.
     pub(super) power: f64,
+}
+
+/// What a method has not met of a part.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Tail {
+    /// Second moment.
+    pub(super) moment: f64,
+    /// Share of the light that chains found.
+    pub(super) light: f64,
+}
+
+/// What one chain saw.
+#[derive(Clone, Copy, Default)]
+struct OfChain {
+    /// b of the part, from the samples that it started from.
+    b: f64,
+    /// In the mean over its states.
+    tails: [Tail; 2],
 }
 
 /// A sink that forgets.
@@ -50,22 +70,27 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
         parts: &[LightStratum],
         largest: &[[f64; 2]],
         mutations: u64,
-    ) -> (Vec<[f64; 2]>, PilotCounts) {
+    ) -> (Vec<[Tail; 2]>, PilotCounts) {
         let chains: Vec<_> = (0..parts.len() as u64 * CHAINS).collect();
         let of_chain = |&i: &u64| {
             let part = (i / CHAINS) as usize;
             let before = rays_traced();
             (self.of_chain(&parts[part], largest[part], i, mutations / CHAINS), rays_traced() - before)
         };
-        let (found, rays): (Vec<[f64; 2]>, Vec<u64>) =
+        let (found, rays): (Vec<OfChain>, Vec<u64>) =
             chains.par_iter().map(of_chain).collect::<Vec<_>>().into_iter().unzip();
         let spent = PilotCounts { mutations: chains.len() as u64 * (mutations / CHAINS), rays: rays.iter().sum() };
-        let mean = |of: &[[f64; 2]]| [0, 1].map(|m| of.iter().map(|x| x[m]).sum::<f64>() / CHAINS as f64);
+        let mean = |of: &[OfChain]| {
+            let all: f64 = of.iter().map(|chain| chain.b).sum();
+            let sum = |m: usize, value: fn(&Tail) -> f64| of.iter().map(|c| c.b * value(&c.tails[m])).sum::<f64>();
+            let light = |m| if all > 0.0 { sum(m, |tail| tail.light) / all } else { 0.0 };
+            [0, 1].map(|m| Tail { moment: sum(m, |tail| tail.moment) / CHAINS as f64, light: light(m) })
+        };
         (found.chunks(CHAINS as usize).map(mean).collect(), spent)
     }
 
     /// From one chain, which starts at one of some independent samples, drawn in proportion to its importance weight.
-    fn of_chain(&self, part: &LightStratum, largest: [f64; 2], index: u64, mutations: u64) -> [f64; 2] {
+    fn of_chain(&self, part: &LightStratum, largest: [f64; 2], index: u64, mutations: u64) -> OfChain {
         let stream = |purpose| generator(self.seed, purpose, CHAIN_PILOT - 1, index, 0);
         let [mut rng, mut pick, mut steps] = [Purpose::Sample, Purpose::Start, Purpose::Chain].map(stream);
         let (samples, mut total, mut start) = (mutations.div_ceil(MUTATIONS_A_SAMPLE), 0.0, LightPath::default());
@@ -81,21 +106,23 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
             });
         }
         if total <= 0.0 {
-            return [0.0; 2];
+            return OfChain::default();
         }
         let mixture = Mixture::new(PathMutation::all(self.view));
-        let Some(mut chain) = Chain::new(&mixture, self.importance, part, start) else { return [0.0; 2] };
-        let mut sums = [0.0; 2];
+        let Some(mut chain) = Chain::new(&mixture, self.importance, part, start) else { return OfChain::default() };
+        let mut tails = [Tail::default(); 2];
         for _ in 0..mutations {
             chain.step(&mut Nothing, 0.0, &mut steps);
-            let moments = self.moments(chain.current(), largest);
-            sums = [sums[0] + moments[0], sums[1] + moments[1]];
+            for (tail, here) in tails.iter_mut().zip(self.unmet(chain.current(), largest)) {
+                tail.moment += here.moment / mutations as f64;
+                tail.light += here.light / mutations as f64;
+            }
         }
-        sums.map(|sum| sum * total / (samples * mutations) as f64)
+        OfChain { b: total / samples as f64, tails }
     }
 
-    /// u Σ_{s: v_s > V} v_s² p_s / I of both methods.
-    fn moments(&self, path: &LightPath, largest: [f64; 2]) -> [f64; 2] {
+    /// u Σ_{s: v_s > V} v_s² p_s / I and Σ_{s: v_s > V} w_s of both methods.
+    fn unmet(&self, path: &LightPath, largest: [f64; 2]) -> [Tail; 2] {
         let vertices = path.vertices();
         let density = |s: usize| match mis::connectible(vertices, s) {
             true => mis::density(vertices, s, Ends::of_image(self.power)),
@@ -103,11 +130,12 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
         };
         let contribution = path.contribution().element_sum();
         let of_path = [density(0), density(1) * self.next_event_ratio(path)];
-        let moments = [
+        let tails = [
             beyond(of_path.into_iter(), contribution, largest[0]),
             beyond((0..vertices.len()).map(density), contribution, largest[1]),
         ];
-        moments.map(|moment| moment * self.weights[path.pixel as usize] / self.importance.eval(path))
+        let weight = self.weights[path.pixel as usize] / self.importance.eval(path);
+        tails.map(|tail| Tail { moment: weight * tail.moment, ..tail })
     }
 
     /// Density of x_0 in next-event estimation over that of a light subpath's first vertex; 0 for what it does not sample.
@@ -120,11 +148,15 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
     }
 }
 
-/// Σ_{s: v_s > V} v_s² p_s, with w_s = p_s²/Σ_i p_i².
-fn beyond(densities: impl Iterator<Item = f64> + Clone, contribution: f64, largest: f64) -> f64 {
+/// Σ_{s: v_s > V} v_s² p_s and Σ_{s: v_s > V} w_s, with w_s = p_s²/Σ_i p_i².
+fn beyond(densities: impl Iterator<Item = f64> + Clone, contribution: f64, largest: f64) -> Tail {
     let squares: f64 = densities.clone().map(|p| p * p).sum();
-    let moment = |p: f64| (p, p * contribution / squares);
-    densities.filter(|&p| p > 0.0).map(moment).filter(|&(_, v)| v > NEW * largest).map(|(p, v)| p * v * v).sum()
+    let value = |p: f64| p * contribution / squares;
+    let rare = densities.filter(|&p| p > 0.0 && value(p) > NEW * largest);
+    rare.fold(Tail::default(), |tail, p| Tail {
+        moment: tail.moment + p * value(p).powi(2),
+        light: tail.light + p * p / squares,
+    })
 }
 
 #[cfg(test)]
@@ -170,7 +202,7 @@ mod tests {
         let strata = LightStratum::all(&lights, view, MAX_EDGES);
         let of = |seed| {
             let tails = Tails { view, importance: &Luminance, next_event, seed, weights, power };
-            tails.measure(&strata, &[[LARGEST; 2]], 50_000).0[0]
+            tails.measure(&strata, &[[LARGEST; 2]], 50_000).0[0].map(|tail| tail.moment)
         };
         const SEEDS: u64 = 36;
         let found: Vec<_> = (0..SEEDS).map(of).collect();
