@@ -7,7 +7,6 @@ mod controls;
 mod energy;
 mod errors;
 mod geometry;
-mod errors;
 mod gltf;
 mod obj;
 mod opacity;
