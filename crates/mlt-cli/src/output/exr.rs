@@ -20,7 +20,7 @@ use ::exr::{
 use anyhow::{Context, bail};
 
 use super::check_size;
-use crate::{image::Image, memory, require_memory};
+use crate::{image::Image, require_memory};
 
 /// The first bytes of every OpenEXR file.
 pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -122,7 +122,7 @@ fn decode(path: &Path) -> anyhow::Result<ExrFile> {
         // What is decoded at once, all channels of it.
         let Vec2(width, height) = header.max_block_pixel_size();
         let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(header.channels.bytes_per_pixel as u64);
-        require_memory(&memory(), bytes, &format!("a block of {width}x{height} pixels"))?;
+        require_memory(bytes, &format!("a block of {width}x{height} pixels"))?;
     }
     let file = exr_read()
         .no_deep_data()
