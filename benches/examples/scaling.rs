@@ -11,9 +11,9 @@ use mlt_core::engine::{
 use mlt_core::transport::bdpt::MOST_EDGES;
 use mlt_core::transport::independent::{AllPaths, Independent};
 use mlt_core::transport::mutate::PathMutation;
-use mlt_core::transport::next_event::NextEvent;
 use mlt_core::transport::path::Luminance;
 use mlt_core::transport::pt::PathTracer;
+use mlt_core::transport::region::LightRegion;
 use mlt_core::transport::render::film_unit;
 use mlt_core::transport::scene::rays_traced;
 use mlt_core::transport::strata::{LightStrata, Stratification};
@@ -156,7 +156,8 @@ fn chains(name: &str, stratification: Stratification, per_pixel: f64) {
 fn paths(name: &str, samples_per_pixel: f64) {
     let loaded = Loaded::builtin(name, [256, 256]);
     let view = loaded.view();
-    let next_event = &NextEvent::new(loaded.scene.lights());
+    let region = LightRegion::whole(loaded.scene.lights());
+    let next_event = region.next_event();
     let tracer = PathTracer { view, next_event, max_edges: MOST_EDGES, max_image_edges: MOST_EDGES, branches: 1 };
     let estimator = Independent { sampler: &tracer, selection: AllPaths, samples_per_pixel, seed: 1 };
     let mut film = Film::new(view.camera.pixels(), film_unit(view));

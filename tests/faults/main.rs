@@ -11,4 +11,5 @@ mod gltf;
 mod obj;
 mod opacity;
 mod paths;
+mod sampler;
 mod support;

@@ -6,7 +6,7 @@ use super::light::LightPoint;
 use super::mis::{self, Ends};
 use super::path::{LightPath, PathVertex, View, set_scattering};
 use super::region::LightRegion;
-use super::subpath::{start_at_eye, start_at_light, step_from_eye, step_from_light};
+use super::subpath::{light_numbers, start_at_eye, start_at_light, start_near, step_from_eye, step_from_light};
 use crate::engine::{uniform, uniform_f32};
 use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;
@@ -37,13 +37,35 @@ pub struct Bidirectional<'a> {
 /// Subpaths and the path being connected; kept between samples for their memory.
 #[derive(Default)]
 pub(super) struct Scratch {
-    pub(super) light: Subpath,
-    pub(super) light_point: LightPoint,
+    pub(super) light: LightSubpath,
+    /// The one of a single vertex, which is drawn for a vertex of the camera subpath, where that has a choice.
+    pub(super) near: LightSubpath,
+    /// The numbers that both draw x_0 from.
+    light_numbers: [f64; 2],
     /// Filled from the end.
     pub(super) eye: Subpath,
     /// Where that crosses the image.
     image: Vec2,
     path: LightPath,
+}
+
+/// A subpath from a light.
+#[derive(Default)]
+pub(super) struct LightSubpath {
+    pub(super) subpath: Subpath,
+    /// Where x_0 is on the lights.
+    pub(super) point: LightPoint,
+    /// λ_1 of paths that begin with it: see [`mis`].
+    pub(super) preference: f64,
+}
+
+impl LightSubpath {
+    /// Starts at x_0, which has a density of λ M/power, with room for `most` vertices.
+    fn start(&mut self, most: usize, (x_0, point): (PathVertex, LightPoint), power: f64, preference: f64) {
+        (self.point, self.preference) = (point, preference);
+        self.subpath.reset(most, x_0, power / (preference * x_0.forward));
+        self.subpath.vertices[0] = x_0;
+    }
 }
 
 /// A subpath and what it carries to each of its vertices, in the order in which they were traced.
@@ -138,10 +160,11 @@ impl Bidirectional<'_> {
     }
 
     fn connect_all(&self, scratch: &mut Scratch, area: f64, visit: &mut impl FnMut(&LightPath, f64)) {
-        let (lights, eyes) = (scratch.light.len(), scratch.eye.len());
+        let (lights, eyes) = (scratch.light.subpath.len(), scratch.eye.len());
         for t in 1..=eyes {
+            self.start_near(scratch, t);
             for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
-                let light_survival = if s == 0 { 1.0 } else { scratch.light.carried(s).survival };
+                let light_survival = if s == 0 { 1.0 } else { scratch.light.subpath.carried(s).survival };
                 if let Some(weight) = self.connect(scratch, [s, t], area) {
                     visit(&scratch.path, weight / (light_survival * scratch.eye.carried(t).survival));
                 }
@@ -160,12 +183,11 @@ impl Bidirectional<'_> {
     }
 
     fn trace_light(&self, scratch: &mut Scratch, rng: &mut impl Rng) {
-        let (first, point) = start_at_light(&self.view, self.region, rng);
-        let Scratch { light, light_point, .. } = scratch;
-        *light_point = point;
         let power = self.region.power();
-        light.reset(self.max_edges, first, power / first.forward);
-        light.vertices[0] = first;
+        scratch.light_numbers = light_numbers(rng);
+        let first = start_at_light(&self.view, self.region, scratch.light_numbers);
+        scratch.light.start(self.max_edges, first, power, 1.0);
+        let LightSubpath { subpath: light, point, preference } = &mut scratch.light;
         let mut certain = 1.0;
         for i in 0..self.max_edges - 1 {
             let traced = step_from_light(&mut light.vertices, i, &self.view, rng)
@@ -177,9 +199,11 @@ impl Bidirectional<'_> {
             let factor = x.scatter.as_dvec3() * (x.geometric_term / y.forward);
             if i == 0 {
                 certain = light.carried[0].throughput.x * factor.max_element();
+                *preference = self.region.preference(self.view.scene.lights(), [&x.vertex, &y.vertex], point);
             }
+            let ends = Ends { power, preference: *preference, area: 1.0 };
             let others =
-                i.checked_sub(1).map_or(0.0, |j| mis::from_light(&light.vertices, j, power, light.carried[i].others));
+                i.checked_sub(1).map_or(0.0, |j| mis::from_light(&light.vertices, j, ends, light.carried[i].others));
             if !light.extend(factor, others, certain, rng) {
                 return;
             }
@@ -212,25 +236,42 @@ impl Bidirectional<'_> {
         }
     }
 
+    /// Draws x_0 for the last of the camera's first t vertices, where that has a choice and may be connected.
+    pub(super) fn start_near(&self, scratch: &mut Scratch, t: usize) {
+        let x_1 = &scratch.eye.vertices[scratch.eye.vertices.len() - t].vertex;
+        if self.region.next_event().has_choice() && !x_1.delta {
+            let (x_0, point, preference) = start_near(&self.view, self.region, x_1, scratch.light_numbers);
+            scratch.near.start(1, (x_0, point), self.region.power(), preference);
+        }
+    }
+
+    /// What a path with s vertices from the light begins with: the subpath of many vertices or that of one.
+    #[inline]
+    pub(super) fn beginning<'s>(&self, s: usize, many: &'s LightSubpath, one: &'s LightSubpath) -> &'s LightSubpath {
+        if s == 1 && self.region.next_event().has_choice() { one } else { many }
+    }
+
     /// Assembles the path with s light and t camera vertices; returns w_s/p_s, `None` where the contribution is zero.
     fn connect(&self, scratch: &mut Scratch, [s, t]: [usize; 2], area: f64) -> Option<f64> {
-        let Scratch { light, light_point, eye, image, path } = scratch;
+        let Scratch { light, near, eye, image, path, .. } = scratch;
+        let LightSubpath { subpath: light, point, preference } = self.beginning(s, light, near);
         let eye = &eye.vertices[eye.vertices.len() - t..];
-        if s > 0 && (light.vertices[s - 1].vertex.delta || eye[0].vertex.delta) {
+        if s > 0 && (eye[0].vertex.delta || light.vertices[s - 1].vertex.delta) {
             return None;
         }
         path.vertices.clear();
         path.vertices.extend_from_slice(&light.vertices[..s]);
         path.vertices.extend_from_slice(eye);
-        path.light = *light_point;
+        path.light = *point;
         path.cross(&self.view, *image);
+        let mut ends = Ends { power: self.region.power(), preference: *preference, area };
         if s == 0 {
             path.light = self.view.scene.lights().point(eye[0].vertex.primitive, eye[0].vertex.position)?;
             path.update(&self.view, 0..=0)?;
+            ends = Ends::new(path, &self.view, self.region, area);
         } else {
             path.connect(&self.view, s, s - 1..=s)?;
         }
-        let ends = Ends { power: self.region.power(), area };
         Some(mis::weight(&path.vertices, s, ends) / mis::density(&path.vertices, s, ends))
     }
 }

@@ -191,7 +191,6 @@ impl<T: ImageSampler, S: Selection> Estimator<3> for Independent<'_, T, S> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::next_event::NextEvent;
     use super::super::region::LightRegion;
     use super::super::testing::worlds;
     use super::*;
@@ -209,8 +208,8 @@ mod tests {
     #[test]
     fn instructions_change_no_bit() {
         for (name, world) in worlds() {
-            let (view, lights) = (world.view(), world.scene.lights());
-            let (next_event, region) = (&NextEvent::new(lights), &LightRegion::whole(lights));
+            let (view, region) = (world.view(), &LightRegion::whole(world.scene.lights()));
+            let next_event = region.next_event();
             let paths = PathTracer { view, next_event, max_edges: 12, max_image_edges: 12, branches: 2 };
             let connected = Bidirectional { view, region, max_edges: 12 };
             for [best, portable] in [both(&paths), both(&connected)] {

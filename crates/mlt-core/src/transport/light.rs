@@ -1,7 +1,7 @@
 //! Area lights, each with an area-preserving map from the unit square.
 
 use super::{Rgb, luminance};
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::f32::consts::PI;
 
 /// A point of a light: the light, and coordinates in the unit square that its surface is mapped from.
@@ -30,8 +30,8 @@ pub struct Light {
 /// A flat part of a light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
-    /// The part of the light's u that lies on it: begin and end.
-    pub(super) interval: [f64; 2],
+    /// Its place in the light's unit square: the corners with the smallest and with the largest coordinates.
+    pub(super) square: [DVec2; 2],
     /// Corner of its bounding box with the smallest coordinates.
     pub(super) low: Vec3,
     /// Corner with the largest ones.
@@ -41,10 +41,10 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    fn new((begin, end): (f64, f64), corners: &[Vec3]) -> Self {
+    fn new(square: [DVec2; 2], corners: &[Vec3]) -> Self {
         let [a, b, c] = [0, 1, 2].map(|i| corners[i].as_dvec3());
         Self {
-            interval: [begin, end],
+            square,
             low: corners.iter().copied().fold(Vec3::INFINITY, Vec3::min),
             high: corners.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max),
             normal: (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3(),
@@ -95,14 +95,24 @@ impl Light {
         self.exitance() * self.area
     }
 
-    /// Its parallelogram or its triangles, in the order of their numbers.
-    pub(super) fn pieces(&self) -> Vec<Piece> {
+    /// Its parallelogram, or those of its triangles, as far as they lie between two corners of the unit square, in the order
+    /// of their numbers; and the first one's number.
+    pub(super) fn pieces(&self, low: DVec2, high: DVec2) -> (u32, Vec<Piece>) {
         match &self.shape {
             &Shape::Parallelogram { origin, edges: [e, f], .. } => {
-                vec![Piece::new((0.0, 1.0), &[origin, origin + e, origin + f, origin + e + f])]
+                let at = |u: f64, v: f64| origin + u as f32 * e + v as f32 * f;
+                let corners = [at(low.x, low.y), at(high.x, low.y), at(low.x, high.y), at(high.x, high.y)];
+                (0, vec![Piece::new([low, high], &corners)])
             }
             Shape::Triangles { cumulative, vertices, .. } => {
-                vertices.iter().enumerate().map(|(i, corners)| Piece::new(interval(cumulative, i), corners)).collect()
+                let first = cumulative.partition_point(|&end| end <= low.x).min(vertices.len() - 1);
+                let last = cumulative.partition_point(|&end| end < high.x).min(vertices.len() - 1);
+                let piece = |i: usize| {
+                    let (begin, end) = interval(cumulative, i);
+                    let square = [DVec2::new(begin.max(low.x), low.y), DVec2::new(end.min(high.x), high.y)];
+                    Piece::new(square, &vertices[i])
+                };
+                (first as u32, (first..=last).map(piece).collect())
             }
         }
     }

@@ -1,31 +1,43 @@
 //! Weights of the ways of making one path.
 //!
 //! A path of n vertices can be made with s vertices from the light and n − s from the camera, s = 0 … n − 1, with density
-//! p_s = Π_{i<s} forward_i · Π_{i≥s} reverse_i. Where s ≥ 1 the edge between x_{s−1} and x_s is a connection, which
-//! must not end at a delta vertex: else p_s = 0. x_0 and x_{k−1} are drawn on what [`Ends`] says.
+//! p_s = λ_s Π_{i<s} forward_i · Π_{i≥s} reverse_i. Where s ≥ 1 the edge between x_{s−1} and x_s is a connection, which
+//! must not end at a delta vertex: else p_s = 0. x_0 and x_{k−1} are drawn on what [`Ends`] says. Technique 1 draws x_0 for
+//! x_1 instead of by power, which makes it λ_1 times as likely; all other λ_s are 1.
 //!
 //! All densities of whole paths, and f, are stated relative to that of a random camera subpath,
 //!
 //! g(x) = Π_{1≤i<k} reverse_i,
 //!
 //! so that every product has one bounded quotient a vertex: f/g = L_e G(x_0, x_1) f_s(x_1) · (throughput of the subpath), and
-//! p_s/g = forward_0 Π_{1≤i<s} forward_i/reverse_i. Fifty geometric terms of 10⁷ overflow f64, their quotients do not.
+//! p_s/g = λ_s forward_0 Π_{1≤i<s} forward_i/reverse_i. Fifty geometric terms of 10⁷ overflow f64, their quotients do not.
 
-use super::path::PathVertex;
+use super::path::{LightPath, PathVertex, View};
+use super::region::LightRegion;
 
 /// What subpaths start on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ends {
     /// Power of the region that x_0 is drawn on.
     pub(super) power: f64,
+    /// λ_1, the [`preference`](LightRegion::preference) of x_1 for x_0.
+    pub(super) preference: f64,
     /// Area of the part of the image, itself of area 1, that the ray to x_{k−1} is drawn through.
     pub(super) area: f64,
 }
 
 impl Ends {
-    /// Camera rays through all of the image.
-    pub(super) fn of_image(power: f64) -> Self {
-        Self { power, area: 1.0 }
+    /// Of subpaths that start in a region and in a part of the image, for one path.
+    pub(super) fn new(path: &LightPath, view: &View, region: &LightRegion, area: f64) -> Self {
+        let ends = [&path.vertices[0].vertex, &path.vertices[1].vertex];
+        let preference = region.preference(view.scene.lights(), ends, &path.light);
+        Self { power: region.power(), preference, area }
+    }
+
+    /// λ_s.
+    #[inline]
+    pub(super) fn preference(&self, s: usize) -> f64 {
+        if s == 1 { self.preference } else { 1.0 }
     }
 
     /// Density per area of x_i, drawn from the light's side.
@@ -58,7 +70,7 @@ pub(super) fn density(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
     let last = vertices.len() - 1;
     let from_light: f64 = (0..s).map(|i| ends.forward(vertices, i) / reference(vertices, i)).product();
     let from_eye: f64 = (s..last).map(|i| ends.reverse(vertices, i) / reference(vertices, i)).product();
-    from_light * from_eye
+    ends.preference(s) * from_light * from_eye
 }
 
 /// Whether x_{s−1} and x_s may be connected.
@@ -71,48 +83,49 @@ pub(super) fn connectible(vertices: &[PathVertex], s: usize) -> bool {
 ///
 /// Source: [Veach97], sections 9.2.4 and 10.2.1.
 pub(super) fn weight(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
-    // p_{i+1}/p_i = forward_i/reverse_i, outwards from s, so that what is divided by has been drawn and is not zero.
+    // p_{i+1}/p_i = forward_i/reverse_i, but for λ, outwards from s, so that what is divided by has been drawn and is not zero.
     let forward = |i: usize| ends.forward(vertices, i);
     let reverse = |i: usize| ends.reverse(vertices, i);
-    let mut sum = 1.0;
+    let preferred = |i: usize| square(ends.preference(i));
+    let mut sum = preferred(s);
     let mut ratio = 1.0;
     for i in s..vertices.len() - 1 {
         ratio *= forward(i) / reverse(i);
         if connectible(vertices, i + 1) {
-            sum += ratio * ratio;
+            sum += ratio * ratio * preferred(i + 1);
         }
     }
     ratio = 1.0;
     for i in (0..s).rev() {
         ratio *= reverse(i) / forward(i);
         if connectible(vertices, i) {
-            sum += ratio * ratio;
+            sum += ratio * ratio * preferred(i);
         }
     }
-    1.0 / sum
+    preferred(s) / sum
 }
 
-/// Σ_{i ≤ j} (p_i/p_{j+1})² for a light subpath, from the same sum up to j − 1, `before`:
-/// S_j = (reverse_j/forward_j)² (c_j + S_{j−1}), with c_j = 1 if x_{j−1} and x_j may be connected, else 0.
+/// c_s = λ_s² if x_{s−1} and x_s may be connected, else 0.
+#[inline]
+pub(super) fn allowed(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
+    if connectible(vertices, s) { square(ends.preference(s)) } else { 0.0 }
+}
+
+/// Σ_{i ≤ j} (p_i/p_{j+1})² for a light subpath, from the same sum up to j − 1, `before`, but for λ_{j+1}:
+/// S_j = (reverse_j/forward_j)² (c_j + S_{j−1}).
 ///
 /// Source: the recursion of [Georgiev12], "Implementing Vertex Connection and Merging", for the power heuristic.
 #[inline]
-pub(super) fn from_light(vertices: &[PathVertex], j: usize, power: f64, before: f64) -> f64 {
-    let forward = Ends::of_image(power).forward(vertices, j);
-    square(vertices[j].reverse / forward) * (allowed(vertices, j) + before)
+pub(super) fn from_light(vertices: &[PathVertex], j: usize, ends: Ends, before: f64) -> f64 {
+    square(vertices[j].reverse / ends.forward(vertices, j)) * (allowed(vertices, j, ends) + before)
 }
 
-/// Σ_{i > j} (p_i/p_j)² for a camera subpath, from the same sum from j + 1, `before`:
+/// Σ_{i > j} (p_i/p_j)² for a camera subpath with j ≥ 1, from the same sum from j + 1, `before`:
 /// E_j = (forward_j/reverse_j)² (c_{j+1} + E_{j+1}).
 #[inline]
 pub(super) fn from_eye(vertices: &[PathVertex], j: usize, before: f64) -> f64 {
     let x = &vertices[j];
-    square(x.forward / x.reverse) * (allowed(vertices, j + 1) + before)
-}
-
-#[inline]
-fn allowed(vertices: &[PathVertex], s: usize) -> f64 {
-    f64::from(u8::from(connectible(vertices, s)))
+    square(x.forward / x.reverse) * (f64::from(u8::from(connectible(vertices, j + 1))) + before)
 }
 
 /// x²

@@ -1,39 +1,63 @@
 //! Which point of the lights is drawn for a vertex: next-event estimation with a tree over the pieces of the lights.
 //!
-//! A piece is a light's parallelogram or one triangle of a light. The tree's nodes bound position and direction of what their
-//! parts hold; a walk from the root takes each part in proportion to a bound on the irradiance that it sends to the vertex.
+//! A piece is a light's parallelogram or one triangle of a light, as far as it lies in a cell of the region that points are
+//! drawn on. The tree's nodes bound position and direction of what their parts hold; a walk from the root takes each part in
+//! proportion to a bound on the irradiance that it sends to the vertex.
 //!
 //! Source: [ContyKulla18], "Importance Sampling of Many Lights with Adaptive Tree Splitting", section 5.
 
 use super::hilbert;
 use super::light::{LightPoint, Piece};
 use super::lights::Lights;
+use super::region::Cell;
 use super::vertex::Vertex;
-use glam::{Vec3, Vec3A, Vec4};
+use glam::{DVec2, Vec3, Vec3A, Vec4};
 use std::array;
 
 /// Parts that a node has; a [`Vec4`] holds a number for each.
 const WIDTH: usize = 4;
 
-/// The tree over the pieces of all lights.
+/// The tree over the pieces of a region.
 #[derive(Clone, Debug)]
 pub struct NextEvent {
     /// Along a Hilbert curve through their centres.
     leaves: Vec<Leaf>,
     /// The root first.
     nodes: Vec<Node>,
-    /// Number of pieces of the lights before each.
-    before: Vec<u32>,
-    /// Place of each piece among the leaves, light by light.
+    /// The region's cells.
+    cells: Vec<Pieces>,
+    /// Place of each piece among the leaves, cell by cell.
     place: Vec<u32>,
+}
+
+/// A cell and its pieces.
+#[derive(Clone, Copy, Debug)]
+struct Pieces {
+    cell: Cell,
+    /// Number of the first piece in its light.
+    first: u32,
+    /// Number of pieces of the cells before.
+    before: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     light: u32,
-    /// The piece's interval of the light's u: begin and width.
-    interval: [f64; 2],
+    /// The piece's corner with the smallest coordinates in the light's unit square, and its size there.
+    low: DVec2,
+    size: DVec2,
+    /// The largest coordinates that are still on it.
+    last: DVec2,
     area: f64,
+}
+
+impl Leaf {
+    /// Uniform over the piece.
+    #[inline]
+    fn point(&self, u: f64, v: f64) -> LightPoint {
+        let place = (self.low + self.size * DVec2::new(u, v)).min(self.last);
+        LightPoint { light: self.light, u: place.x, v: place.y }
+    }
 }
 
 /// A quarter each of a run of leaves: a ball around its pieces and a cone around the normals of their fronts.
@@ -113,31 +137,41 @@ impl Node {
 }
 
 impl NextEvent {
-    /// Builds the tree.
-    pub fn new(lights: &Lights) -> Self {
-        let mut before = Vec::with_capacity(lights.lights.len());
-        let mut pieces = Vec::new();
-        for (id, light) in (0..).zip(&lights.lights) {
-            before.push(pieces.len() as u32);
-            pieces.extend(light.pieces().into_iter().map(|piece| (id, piece)));
-        }
-        let centres: Vec<_> = pieces.iter().map(|(_, piece): &(_, Piece)| 0.5 * (piece.low + piece.high)).collect();
+    /// Builds the tree over disjoint cells, those of a light in one run and the lights in the order of their numbers.
+    pub(super) fn new(lights: &Lights, cells: &[Cell]) -> Self {
+        let mut pieces: Vec<(u32, Piece)> = Vec::new();
+        let mut add = |&cell: &Cell| {
+            let (before, (first, found)) =
+                (pieces.len() as u32, lights.lights[cell.light as usize].pieces(cell.low, cell.high));
+            pieces.extend(found.into_iter().map(|piece| (cell.light, piece)));
+            Pieces { cell, first, before }
+        };
+        let cells: Vec<_> = cells.iter().map(&mut add).collect();
+        let centres: Vec<_> = pieces.iter().map(|(_, piece)| 0.5 * (piece.low + piece.high)).collect();
         let order = hilbert::order(&centres);
         let mut place = vec![0; pieces.len()];
         (0..).zip(&order).for_each(|(at, &piece)| place[piece as usize] = at);
-        let total = lights.power();
+        let total: f64 = cells.iter().map(|pieces| pieces.cell.power(&lights.lights)).sum();
         let leaf = |&i: &u32| {
             let (id, piece) = pieces[i as usize];
-            let ([begin, end], light) = (piece.interval, &lights.lights[id as usize]);
-            let leaf = Leaf { light: id, interval: [begin, end - begin], area: (end - begin) * light.area };
-            (leaf, Bound::of(&piece, (end - begin) * light.power() / total, light.both_sides))
+            let ([low, high], light) = (piece.square, &lights.lights[id as usize]);
+            let (size, last) = (high - low, DVec2::new(high.x.next_down(), high.y.next_down()));
+            let share = size.x * size.y;
+            let leaf = Leaf { light: id, low, size, last, area: share * light.area };
+            (leaf, Bound::of(&piece, share * light.power() / total, light.both_sides))
         };
         let (leaves, bounds): (Vec<_>, Vec<_>) = order.iter().map(leaf).unzip();
         let mut nodes = Vec::new();
         if bounds.len() > 1 {
             build(&bounds, &mut nodes);
         }
-        Self { leaves, nodes, before, place }
+        Self { leaves, nodes, cells, place }
+    }
+
+    /// Whether there is more than one piece: else points are uniform over it, whatever the vertex.
+    #[inline]
+    pub fn has_choice(&self) -> bool {
+        self.leaves.len() > 1
     }
 
     /// A point for `vertex` from two uniform numbers, and its density per area.
@@ -156,21 +190,32 @@ impl NextEvent {
             }
             last
         });
-        let Leaf { light, interval: [begin, width], area } = self.leaves[place];
-        (LightPoint { light, u: (begin + u * width).min(1f64.next_down()), v }, probability / area)
+        let leaf = &self.leaves[place];
+        (leaf.point(u, v), probability / leaf.area)
     }
 
-    /// The density with which [`sample`](Self::sample) draws the points of a triangle that emits, given by its light and
-    /// its number within that light.
+    /// The density with which [`sample`](Self::sample) draws a point, per area, given also its light and the number of its
+    /// triangle within that light; 0 for a point that is not in the region.
     #[inline]
-    pub fn density(&self, vertex: &Vertex, (light, index): (u32, u32)) -> f64 {
-        let light = light as usize;
-        let pieces = self.before.get(light + 1).map_or(self.place.len(), |&next| next as usize);
-        // The two triangles of a parallelogram are one piece.
-        let piece = ((self.before[light] + index) as usize).min(pieces - 1);
-        let place = self.place[piece] as usize;
+    pub fn density(&self, vertex: &Vertex, number: (u32, u32), point: &LightPoint) -> f64 {
+        let Some(place) = self.place(number, point) else { return 0.0 };
         let (_, probability) = self.descend(vertex, |ends, _| ends.iter().filter(|&&end| place >= end).count());
         probability / self.leaves[place].area
+    }
+
+    /// The place among the leaves of the piece that a point lies on.
+    #[inline]
+    fn place(&self, (light, index): (u32, u32), point: &LightPoint) -> Option<usize> {
+        // What is met by chance may lie on the square's upper bounds.
+        let at = DVec2::new(point.u, point.v).min(DVec2::splat(1f64.next_down()));
+        let run = self.cells.partition_point(|pieces| pieces.cell.light < light);
+        let holds = |pieces: &Pieces| pieces.cell.holds(at);
+        let cell = run + self.cells[run..].iter().take_while(|p| p.cell.light == light).position(holds)?;
+        let Pieces { first, before, .. } = self.cells[cell];
+        let end = self.cells.get(cell + 1).map_or(self.place.len(), |next| next.before as usize);
+        // The two triangles of a parallelogram are one piece.
+        let piece = ((before + index.saturating_sub(first)) as usize).min(end - 1);
+        Some(self.place[piece] as usize)
     }
 
     /// Goes from the root to a leaf by the parts that `choose` takes, given the ends of the first three and the probabilities of
@@ -264,22 +309,10 @@ mod tests {
     use crate::transport::Rgb;
     use crate::transport::region::LightRegion;
     use crate::transport::scene::Scene;
-    use crate::transport::testing::{World, ball, lambert, quad, walls};
+    use crate::transport::strata::{LightStrata, Stratification};
+    use crate::transport::testing::{World, lamps};
     use glam::DVec3;
     use rand_pcg::rand_core::Rng;
-
-    /// A room with a small ball of light in one corner, a large panel that faces away from it, and one with two faces.
-    fn lamps() -> World {
-        let panel = |x: f64, z: f64| -> [DVec3; 4] {
-            [[x, 0.2, z], [x, 0.2, z + 0.5], [x, 0.7, z + 0.5], [x, 0.7, z]].map(DVec3::from_array)
-        };
-        walls()
-            .light(ball(DVec3::new(0.2, 0.3, -0.4), 0.05, false), Rgb::new(5.0, 4.0, 3.0), false)
-            .light(quad(panel(0.9, 0.1)), Rgb::ONE, false)
-            .light(quad(panel(-0.3, -0.7)), Rgb::splat(2.0), true)
-            .surface(ball(DVec3::new(-0.2, 0.0, 0.3), 0.2, true), lambert(Rgb::splat(0.5)))
-            .seen(DVec3::new(0.0, 0.4, 0.9), DVec3::ZERO, 60.0, [8, 8])
-    }
 
     fn vertices(world: &World) -> Vec<Vertex> {
         let mut rng = generator(1, Purpose::Sample, 0, 0, 0);
@@ -295,46 +328,67 @@ mod tests {
         scene.lights().number(scene.light_point(point).1.primitive).unwrap()
     }
 
+    /// All lights, some in one part of which the ball of light is cut, and parts of one or few pieces.
+    fn regions(world: &World) -> Vec<LightRegion> {
+        let cuts = [1, 3, 9].map(Stratification::Count).into_iter().chain([Stratification::Grid(7, 1)]);
+        cuts.flat_map(|cut| LightStrata::new(world.scene.lights(), cut).regions().to_vec()).collect()
+    }
+
     #[test]
     fn a_points_density_is_that_which_it_was_drawn_with() {
         let world = lamps();
-        let tree = NextEvent::new(world.scene.lights());
-        let mut rng = generator(2, Purpose::Sample, 0, 0, 0);
-        for vertex in vertices(&world) {
-            for _ in 0..50 {
-                let [u, v] = points(&mut rng);
-                let (point, density) = tree.sample(&vertex, u, v);
-                let again = tree.density(&vertex, number(&world.scene, &point));
-                assert!((density / again - 1.0).abs() < 1e-6, "{density} {again}");
+        let (mut rng, mut elsewhere) = (generator(2, Purpose::Sample, 0, 0, 0), 0);
+        let whole = LightRegion::whole(world.scene.lights());
+        for region in regions(&world) {
+            let tree = region.next_event();
+            for vertex in vertices(&world).into_iter().step_by(3) {
+                for _ in 0..10 {
+                    let [u, v] = points(&mut rng);
+                    let (point, density) = tree.sample(&vertex, u, v);
+                    let again = tree.density(&vertex, number(&world.scene, &point), &point);
+                    assert!((density / again - 1.0).abs() < 1e-6, "{density} {again}");
+                    let point = whole.sample(u, v);
+                    let inside =
+                        region.cells().iter().any(|c| c.light == point.light && c.holds([point.u, point.v].into()));
+                    elsewhere += u32::from(!inside);
+                    assert!(inside || tree.density(&vertex, number(&world.scene, &point), &point) == 0.0, "{point:?}");
+                }
             }
         }
+        assert!(elsewhere > 1000, "{elsewhere}");
     }
 
     /// Over points of density q, the mean of p/q is ∫ p dA = 1; and p is zero only where the light shows its back.
     #[test]
     fn densities_integrate_to_one_and_miss_no_light() {
         let world = lamps();
-        let (tree, whole) = (NextEvent::new(world.scene.lights()), LightRegion::whole(world.scene.lights()));
         let mut rng = generator(3, Purpose::Sample, 0, 0, 0);
-        let (n, mut unseen) = (2000, 0);
-        for vertex in vertices(&world) {
-            let [mut sum, mut squares] = [0.0; 2];
-            for _ in 0..n {
-                let [u, v] = points(&mut rng);
-                let point = whole.sample(u, v);
-                let (light, source) = world.scene.light_point(&point);
-                let density = tree.density(&vertex, number(&world.scene, &point));
-                let to_vertex = (vertex.position - source.position).normalize();
-                if density == 0.0 {
-                    unseen += 1;
-                    assert_eq!(world.scene.emitted(&source, to_vertex), Rgb::ZERO, "{vertex:?} {source:?}");
+        let (n, mut unseen) = (1000, 0);
+        for region in regions(&world) {
+            let tree = region.next_event();
+            for vertex in vertices(&world).into_iter().step_by(4) {
+                let [mut sum, mut squares] = [0.0; 2];
+                for _ in 0..n {
+                    let [u, v] = points(&mut rng);
+                    let point = region.sample(u, v);
+                    let (light, source) = world.scene.light_point(&point);
+                    let density = tree.density(&vertex, number(&world.scene, &point), &point);
+                    let to_vertex = (vertex.position - source.position).normalize();
+                    if density == 0.0 {
+                        unseen += 1;
+                        assert_eq!(world.scene.emitted(&source, to_vertex), Rgb::ZERO, "{vertex:?} {source:?}");
+                    }
+                    let ratio = density * region.power() / light.exitance();
+                    (sum, squares) = (sum + ratio, squares + ratio * ratio);
                 }
-                let ratio = density * whole.power() / light.exitance();
-                (sum, squares) = (sum + ratio, squares + ratio * ratio);
+                let (mean, n) = (sum / f64::from(n), f64::from(n));
+                let error = ((squares / n - mean * mean).max(0.0) / n).sqrt();
+                assert!(
+                    (mean - 1.0).abs() < 4.5 * error + 1e-9,
+                    "{mean} ± {error} at {vertex:?} of {:?}",
+                    region.cells()
+                );
             }
-            let (mean, n) = (sum / f64::from(n), f64::from(n));
-            let error = ((squares / n - mean * mean) / n).sqrt();
-            assert!((mean - 1.0).abs() < 4.5 * error + 1e-9, "{mean} ± {error} at {vertex:?}");
         }
         assert!(unseen > 300, "{unseen}");
     }
@@ -342,7 +396,8 @@ mod tests {
     #[test]
     fn near_lights_are_preferred() {
         let world = lamps();
-        let tree = NextEvent::new(world.scene.lights());
+        let region = LightRegion::whole(world.scene.lights());
+        let tree = region.next_event();
         // Beside the small ball of light.
         let near = Vertex { position: Vec3A::new(0.3, 0.3, -0.4), ..vertices(&world)[0] };
         let mut rng = generator(4, Purpose::Sample, 0, 0, 0);

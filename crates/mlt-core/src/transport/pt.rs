@@ -119,13 +119,15 @@ impl PathTracer<'_> {
     fn emitted(&self, walk: &Walk) -> Rgb {
         let scene = self.view.scene;
         let emitted = scene.emitted(&walk.vertex, walk.to_eye);
-        match (walk.pdf, scene.lights().number(walk.vertex.primitive)) {
-            (Some(pdf), Some(number)) if emitted != Rgb::ZERO => {
-                let cos = walk.vertex.geometric_normal.dot(walk.to_eye).abs();
-                emitted * power_heuristic(pdf * cos, self.next_event.density(&walk.before, number) as f32)
-            }
-            _ => emitted,
+        let (lights, x) = (scene.lights(), &walk.vertex);
+        if let (Some(pdf), Some(number)) = (walk.pdf, lights.number(x.primitive))
+            && emitted != Rgb::ZERO
+            && let Some(point) = lights.point(x.primitive, x.position)
+        {
+            let cos = x.geometric_normal.dot(walk.to_eye).abs();
+            return emitted * power_heuristic(pdf * cos, self.next_event.density(&walk.before, number, &point) as f32);
         }
+        emitted
     }
 
     /// Light that arrives from a point drawn on the lights, weighed against meeting that point by scattering; and the point.

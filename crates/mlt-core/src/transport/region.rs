@@ -1,8 +1,11 @@
-//! A part of the lights, from which points are drawn in proportion to power.
+//! A part of the lights, from which points are drawn in proportion to power, or for a vertex that they are to light.
 
 use super::light::{Light, LightPoint};
 use super::lights::Lights;
+use super::next_event::NextEvent;
+use super::vertex::Vertex;
 use glam::DVec2;
+use std::sync::Arc;
 
 /// A rectangle in one light's unit square.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +27,7 @@ pub struct LightRegion {
     /// How u lies on each cell.
     scales: Vec<Scale>,
     power: f64,
+    next_event: Arc<NextEvent>,
 }
 
 /// The map of an interval of [0, 1) onto a cell.
@@ -44,6 +48,11 @@ impl Cell {
         Self { light, low: DVec2::ZERO, high: DVec2::ONE }
     }
 
+    /// Whether a point lies in it, given its place in the light's unit square.
+    pub(super) fn holds(&self, place: DVec2) -> bool {
+        place.cmpge(self.low).all() && place.cmplt(self.high).all()
+    }
+
     /// Emitted power of the cell.
     pub fn power(&self, lights: &[Light]) -> f64 {
         let size = self.high - self.low;
@@ -52,7 +61,7 @@ impl Cell {
 }
 
 impl LightRegion {
-    /// The union of disjoint cells.
+    /// The union of disjoint cells, those of a light in one run.
     pub fn new(lights: &Lights, cells: Vec<Cell>) -> Self {
         let mut power = 0.0;
         let mut add = |cell: &Cell| {
@@ -70,7 +79,8 @@ impl LightRegion {
             scale
         };
         let scales = cells.iter().zip(&cumulative).map(&mut scale).collect();
-        Self { cells, cumulative, scales, power }
+        let next_event = Arc::new(NextEvent::new(lights, &cells));
+        Self { cells, cumulative, scales, power, next_event }
     }
 
     /// All lights.
@@ -87,6 +97,30 @@ impl LightRegion {
     /// The cells.
     pub fn cells(&self) -> &[Cell] {
         &self.cells
+    }
+
+    /// Draws points of the region for a vertex.
+    #[inline]
+    pub fn next_event(&self) -> &NextEvent {
+        &self.next_event
+    }
+
+    /// λ = d(x_0 | x_1) Φ/M: how much likelier [`next_event`](Self::next_event) draws x_0 for x_1 than [`sample`](Self::sample)
+    /// does; 1 where there is but one piece, 0 where x_0, at `point`, is not in the region.
+    #[inline]
+    pub(super) fn preference(&self, lights: &Lights, [x_0, x_1]: [&Vertex; 2], point: &LightPoint) -> f64 {
+        if !self.next_event.has_choice() {
+            return 1.0;
+        }
+        let Some(number) = lights.number(x_0.primitive) else { return 0.0 };
+        let exitance = lights.lights[number.0 as usize].exitance();
+        self.preference_of(self.next_event.density(x_1, number, point), exitance)
+    }
+
+    /// The same from d and M.
+    #[inline]
+    pub(super) fn preference_of(&self, density: f64, exitance: f64) -> f64 {
+        if self.next_event.has_choice() { density * self.power / exitance } else { 1.0 }
     }
 
     /// A point with density M/power per area, from two uniform numbers; never on a cell's upper bounds.

@@ -96,6 +96,11 @@ impl<'a> LightStratum<'a> {
         self.index.is_some() || self.strata.index(a) == self.strata.index(b)
     }
 
+    /// Scene and camera.
+    pub fn view(&self) -> &View<'a> {
+        &self.sampler.view
+    }
+
     /// A uniform point of the stratum's part of the image, where the camera's end of a path is drawn again.
     #[inline]
     pub fn image_point(&self, rng: &mut impl Rng) -> Vec2 {

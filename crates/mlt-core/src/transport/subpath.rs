@@ -11,10 +11,34 @@ use crate::engine::{uniform, uniform_f32};
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 
-/// Draws x_0 on `region`, with density M/power per area.
+/// Draws the numbers that x_0 is made from.
 #[inline(always)]
-pub(super) fn start_at_light(view: &View, region: &LightRegion, rng: &mut impl Rng) -> (PathVertex, LightPoint) {
-    let point = region.sample(uniform(rng), f64::from(uniform_f32(rng)));
+pub(super) fn light_numbers(rng: &mut impl Rng) -> [f64; 2] {
+    [uniform(rng), f64::from(uniform_f32(rng))]
+}
+
+/// Draws x_0 on `region` by power, with density M/power per area.
+#[inline(always)]
+pub(super) fn start_at_light(view: &View, region: &LightRegion, [u, v]: [f64; 2]) -> (PathVertex, LightPoint) {
+    start_at(view, region.sample(u, v))
+}
+
+/// Draws x_0 on `region` for x_1, with density λ M/power per area; returns λ, the region's
+/// [`preference`](LightRegion::preference), as well.
+#[inline(always)]
+pub(super) fn start_near(
+    view: &View,
+    region: &LightRegion,
+    x_1: &Vertex,
+    [u, v]: [f64; 2],
+) -> (PathVertex, LightPoint, f64) {
+    let (point, density) = region.next_event().sample(x_1, u, v);
+    let (x, point) = start_at(view, point);
+    (x, point, region.preference_of(density, x.forward))
+}
+
+#[inline(always)]
+fn start_at(view: &View, point: LightPoint) -> (PathVertex, LightPoint) {
     let (light, vertex) = view.scene.light_point(&point);
     let mut x = PathVertex::new(vertex);
     x.forward = light.exitance();

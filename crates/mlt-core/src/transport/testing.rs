@@ -139,6 +139,19 @@ pub(crate) fn two_lights(left: Bsdf, right: Bsdf) -> World {
         .light(triangle, Rgb::new(2.0, 3.0, 6.0), true))
 }
 
+/// The box with a small ball of light in one corner, a large panel that faces away from it, and one with two faces.
+pub(crate) fn lamps() -> World {
+    let panel = |x: f64, z: f64| -> [DVec3; 4] {
+        [[x, 0.2, z], [x, 0.2, z + 0.5], [x, 0.7, z + 0.5], [x, 0.7, z]].map(DVec3::from_array)
+    };
+    walls()
+        .light(ball(DVec3::new(0.2, 0.3, -0.4), 0.05, false), Rgb::new(5.0, 4.0, 3.0), false)
+        .light(quad(panel(0.9, 0.1)), Rgb::ONE, false)
+        .light(quad(panel(-0.3, -0.7)), Rgb::splat(2.0), true)
+        .surface(ball(DVec3::new(-0.2, 0.0, 0.3), 0.2, true), lambert(Rgb::splat(0.5)))
+        .seen(DVec3::new(0.0, 0.4, 0.9), DVec3::ZERO, 60.0, [8, 8])
+}
+
 /// Water under a bright ceiling, from steep to grazing angles: nothing is seen but what the Fresnel term reflects.
 pub(crate) fn pond() -> World {
     let v = DVec3::new;
@@ -214,5 +227,6 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("frosted glass", room(glass(0.4), false)),
         ("two lights", two_lights(glass(0.0), mirror())),
         ("veils", veils()),
+        ("lamps", lamps()),
     ]
 }

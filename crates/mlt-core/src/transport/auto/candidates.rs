@@ -4,7 +4,6 @@ use super::measure::work_of;
 use super::parts::LENGTHS;
 use crate::transport::bdpt::Bidirectional;
 use crate::transport::kind::{Kind, Kinds};
-use crate::transport::next_event::NextEvent;
 use crate::transport::path::View;
 use crate::transport::pt::PathTracer;
 use crate::transport::region::LightRegion;
@@ -41,8 +40,8 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// All methods, for paths of all lengths and for shorter ones.
-    pub(super) fn all(view: View, next_event: &NextEvent, most: usize, seed: u64) -> Vec<Self> {
-        let region = &LightRegion::whole(view.scene.lights());
+    pub(super) fn all(view: View, region: &LightRegion, most: usize, seed: u64) -> Vec<Self> {
+        let next_event = region.next_event();
         let lengths = LENGTHS.iter().map(|[_, edges]| *edges).filter(|&edges| edges < most);
         let of_length = |max_edges| {
             let path =

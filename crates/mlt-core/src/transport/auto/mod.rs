@@ -19,7 +19,6 @@ mod tails;
 use super::bdpt::Bidirectional;
 use super::light_tree::LightTree;
 use super::mutate::PathMutation;
-use super::next_event::NextEvent;
 use super::path::{LightPath, View};
 use super::pt::PathTracer;
 use super::region::LightRegion;
@@ -79,7 +78,8 @@ const CHAIN_PILOT: u64 = PILOT + (1 << 40);
 pub(super) struct Pilot<'a, I> {
     pub(super) view: View<'a>,
     pub(super) importance: &'a I,
-    pub(super) next_event: &'a NextEvent,
+    /// All lights.
+    pub(super) lights: &'a LightRegion,
     /// How the lights are cut; `None` leaves it to the pilot.
     pub(super) stratification: Stratification,
     pub(super) max_edges: usize,
@@ -97,7 +97,7 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
         let camera = self.view.camera.with_size(self.size());
         let view = View { camera: &camera, ..self.view };
         let measured = self.independent(view, &parts);
-        let candidates = Candidate::all(view, self.next_event, self.max_edges, self.seed);
+        let candidates = Candidate::all(view, self.lights, self.max_edges, self.seed);
         let weights = weights(&measured, camera.size());
         let part =
             |i: usize| LightStratum::of_part(&strata, i / parts.groups.len(), parts.group(i), view, self.max_edges);
@@ -182,13 +182,12 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
     }
 
     fn independent(&self, view: View, parts: &Parts) -> [Measured; 2] {
-        let region = &LightRegion::whole(view.scene.lights());
-        let max_edges = self.max_edges;
+        let (region, next_event, max_edges) = (self.lights, self.lights.next_event(), self.max_edges);
         let samples = |n: f64| (n.max(1.0) as u64).next_power_of_two();
         let (path, bidirectional) = (samples(self.per_pixel), samples(self.per_pixel / PATHS));
         [
             Measured::new(
-                &PathTracer { view, next_event: self.next_event, max_edges, max_image_edges: max_edges, branches: 1 },
+                &PathTracer { view, next_event, max_edges, max_image_edges: max_edges, branches: 1 },
                 parts,
                 path,
                 self.seed,
@@ -220,10 +219,9 @@ impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
     ) -> (Vec<[Tail; 2]>, PilotCounts) {
         let largest = |part: usize| measured.each_ref().map(|m| m.largest[part]);
         let largest: Vec<_> = parts.open_to_chains().into_iter().map(largest).collect();
-        let (importance, next_event, seed) = (self.importance, self.next_event, self.seed);
-        let power = LightRegion::whole(view.scene.lights()).power();
+        let (importance, lights, seed) = (self.importance, self.lights, self.seed);
         let mutations = ROUNDS * self.mutations(view.camera.pixels(), strata.len());
-        let tails = Tails { view, importance, next_event, seed, weights, power };
+        let tails = Tails { view, importance, lights, seed, weights };
         let (found, spent) = tails.measure(strata, &largest, mutations);
         (parts.of_all(found), spent)
     }

@@ -4,8 +4,8 @@ use super::{CHAIN_PILOT, MUTATIONS_A_SAMPLE};
 use crate::engine::{Chain, Importance, Mixture, Purpose, Sink, Stratum, generator, uniform};
 use crate::transport::mis::{self, Ends};
 use crate::transport::mutate::PathMutation;
-use crate::transport::next_event::NextEvent;
 use crate::transport::path::{LightPath, View};
+use crate::transport::region::LightRegion;
 use crate::transport::render::PilotCounts;
 use crate::transport::scene::rays_traced;
 use crate::transport::stratum::LightStratum;
@@ -29,12 +29,11 @@ const NEW: f64 = 1.01;
 pub(super) struct Tails<'a, I> {
     pub(super) view: View<'a>,
     pub(super) importance: &'a I,
-    pub(super) next_event: &'a NextEvent,
+    /// All lights.
+    pub(super) lights: &'a LightRegion,
     pub(super) seed: u64,
     /// u, pixel by pixel.
     pub(super) weights: &'a [f64],
-    /// Power of all lights.
-    pub(super) power: f64,
 }
 
 /// What a method has not met of a part.
@@ -124,27 +123,18 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
     /// u Σ_{s: v_s > V} v_s² p_s / I and Σ_{s: v_s > V} w_s of both methods.
     fn unmet(&self, path: &LightPath, largest: [f64; 2]) -> [Tail; 2] {
         let vertices = path.vertices();
-        let density = |s: usize| match mis::connectible(vertices, s) {
-            true => mis::density(vertices, s, Ends::of_image(self.power)),
-            false => 0.0,
-        };
+        let ends = Ends::new(path, &self.view, self.lights, 1.0);
+        let density = |s: usize| if mis::connectible(vertices, s) { mis::density(vertices, s, ends) } else { 0.0 };
         let contribution = path.contribution().element_sum();
-        let of_path = [density(0), density(1) * self.next_event_ratio(path)];
+        // Path tracing seldom draws points of the lights for the camera.
+        let drawn = path.edges() > 1 || self.view.camera.has_tiny_lights();
+        let of_path = [density(0), if drawn { density(1) } else { 0.0 }];
         let tails = [
             beyond(of_path.into_iter(), contribution, largest[0]),
             beyond((0..vertices.len()).map(density), contribution, largest[1]),
         ];
         let weight = self.weights[path.pixel as usize] / self.importance.eval(path);
         tails.map(|tail| Tail { moment: weight * tail.moment, ..tail })
-    }
-
-    /// Density of x_0 in next-event estimation over that of a light subpath's first vertex; 0 for what it does not sample.
-    fn next_event_ratio(&self, path: &LightPath) -> f64 {
-        let [x_0, x_1] = [&path.vertices()[0], &path.vertices()[1]];
-        match self.view.scene.lights().number(x_0.vertex.primitive) {
-            Some(number) if path.edges() > 1 => self.next_event.density(&x_1.vertex, number) * self.power / x_0.forward,
-            _ => 0.0,
-        }
     }
 }
 
@@ -168,10 +158,10 @@ mod tests {
     use crate::transport::low_discrepancy::OwenSobol;
     use crate::transport::path::Luminance;
     use crate::transport::pt::PathTracer;
-    use crate::transport::region::LightRegion;
+    use crate::transport::region::Cell;
     use crate::transport::strata::{LightStrata, Stratification};
     use crate::transport::testing::{World, pond, room, rough_metal};
-    use glam::{DVec3, Vec2};
+    use glam::{DVec2, DVec3, Vec2};
 
     /// Longest path: short enough for no roulette.
     const MAX_EDGES: usize = 3;
@@ -195,13 +185,13 @@ mod tests {
     }
 
     /// By chains, and the standard error.
-    fn by_chains(world: &World, next_event: &NextEvent, power: f64) -> [[f64; 2]; 2] {
+    fn by_chains(world: &World, region: &LightRegion) -> [[f64; 2]; 2] {
         let view = world.view();
         let weights = &vec![1.0; view.camera.pixels() as usize];
         let lights = LightStrata::new(view.scene.lights(), Stratification::None);
         let strata = LightStratum::all(&lights, view, MAX_EDGES);
         let of = |seed| {
-            let tails = Tails { view, importance: &Luminance, next_event, seed, weights, power };
+            let tails = Tails { view, importance: &Luminance, lights: region, seed, weights };
             tails.measure(&strata, &[[LARGEST; 2]], 50_000).0[0].map(|tail| tail.moment)
         };
         const SEEDS: u64 = 36;
@@ -219,15 +209,17 @@ mod tests {
         // In the second one, most paths can be made by one technique alone.
         for (world, several) in [(room(rough_metal(), false), true), (pond(), false)] {
             let view = world.view();
-            let (next_event, region) = (NextEvent::new(view.scene.lights()), LightRegion::whole(view.scene.lights()));
+            let lights = view.scene.lights();
+            let region = &LightRegion::whole(lights);
             let (max_edges, max_image_edges) = (MAX_EDGES, MAX_EDGES);
-            let path = PathTracer { view, next_event: &next_event, max_edges, max_image_edges, branches: 1 };
-            let exact = [sampled(&path), sampled(&Bidirectional { view, region: &region, max_edges: MAX_EDGES })];
+            let path = PathTracer { view, next_event: region.next_event(), max_edges, max_image_edges, branches: 1 };
+            let exact = [sampled(&path), sampled(&Bidirectional { view, region, max_edges })];
             let z = |found: [[f64; 2]; 2]| [0, 1].map(|m| (found[m][0] - exact[m][0]) / found[m][1].hypot(exact[m][1]));
-            let found = by_chains(&world, &next_event, region.power());
+            let found = by_chains(&world, region);
             assert!(z(found).iter().all(|z| z.abs() < 4.0), "{found:?} {exact:?}");
-            // The negative control: densities of a wrong power.
-            let wrong = by_chains(&world, &next_event, 1.3 * region.power());
+            // The negative control: densities of a part of the light.
+            let part = Cell { high: DVec2::new(0.7, 1.0), ..Cell::whole(0) };
+            let wrong = by_chains(&world, &LightRegion::new(lights, vec![part]));
             assert!(!several || z(wrong)[1].abs() > 4.0, "{wrong:?} {exact:?}");
         }
     }

@@ -6,8 +6,9 @@
 //! T(x→y | s, t) = P(d | n_x) / (n_x − d) · P(a | d) · Σ_{a′} P(a′ | a) Π_{s ≤ i < s+a′} forward_i(y) Π_{s+a′ ≤ i < s+a} reverse_i(y)
 //!
 //! All a′ that could have made y are counted. The way back deletes a and traces d, with the same s and t. Densities are those
-//! of [`Ends`]: x_0 is drawn on the stratum's part of the lights, and x_{k−1} through its part of the image. They are relative to g,
-//! as those of [`mis`] are; so the ratio has the factor g(y)/g(x) over the vertices that are kept on the light's side.
+//! of [`Ends`]: x_0 is drawn on the stratum's part of the lights, for x_1 where it is the only new vertex from the light's side
+//! (s = 0, a′ = 1) and so comes last; and x_{k−1} through the stratum's part of the image. They are relative to g, as those of
+//! [`mis`] are; so the ratio has the factor g(y)/g(x) over the vertices that are kept on the light's side.
 //!
 //! Source: [VeachGuibas97], section 5.3.1; in a stratum: [Jankauski15], section 4.2.
 
@@ -15,7 +16,7 @@ use super::super::mis::{self, Ends};
 use super::super::path::{LightPath, PathVertex, View, copy_vertices};
 use super::super::region::LightRegion;
 use super::super::stratum::LightStratum;
-use super::super::subpath::{start_at_eye, start_at_light, step_from_eye, step_from_light};
+use super::super::subpath::{light_numbers, start_at_eye, start_at_light, start_near, step_from_eye, step_from_light};
 use crate::engine::uniform;
 use rand_pcg::rand_core::Rng;
 use std::array;
@@ -79,11 +80,12 @@ impl BidirectionalMutation<'_> {
         rng: &mut impl Rng,
     ) -> Option<()> {
         let joint = edit.s + split;
-        for i in edit.s..joint {
-            match i {
-                0 => (path.vertices[0], path.light) = start_at_light(&self.view, region, rng),
-                _ => step_from_light(&mut path.vertices, i - 1, &self.view, rng)?,
-            }
+        let light_end = (edit.s == 0 && split > 0).then(|| light_numbers(rng));
+        if let (Some(numbers), 2..) = (light_end, joint) {
+            (path.vertices[0], path.light) = start_at_light(&self.view, region, numbers);
+        }
+        for i in edit.s.max(1)..joint {
+            step_from_light(&mut path.vertices, i - 1, &self.view, rng)?;
         }
         for i in (joint..edit.s + edit.added).rev() {
             if path.vertices[i + 1].vertex.is_camera() {
@@ -93,6 +95,10 @@ impl BidirectionalMutation<'_> {
             } else {
                 step_from_eye(&mut path.vertices, i + 1, &self.view, rng)?;
             }
+        }
+        if let (Some(numbers), 1) = (light_end, joint) {
+            let x_1 = &path.vertices[1].vertex;
+            (path.vertices[0], path.light, _) = start_near(&self.view, region, x_1, numbers);
         }
         let changed = edit.s.saturating_sub(1)..=edit.s + edit.added;
         if joint == 0 {
@@ -124,13 +130,23 @@ impl Edit {
         // A light end that was drawn afresh lies in the region; one in another region was hit by chance alone, and that is
         // the only way back, too: all densities that start on the region are zero.
         let same = within.same_region(&current.light, &proposal.light);
-        let power = if same { within.region_at(&current.light).power() } else { f64::INFINITY };
-        let ends = Ends { power, area: within.image_area() };
+        let region = within.region_at(&current.light);
+        let power = if same { region.power() } else { f64::INFINITY };
         let transition = |edit: &Self, from: &LightPath, to: &LightPath| {
+            let ends = Ends { power, ..edit.ends(to, within, region) };
             edit.probability(from.vertices.len(), within.max_edges()) * edit.density(&to.vertices, ends)
         };
         mis::kept_reference(&current.vertices, &proposal.vertices, self.s)
             * (transition(&self.undo(), proposal, current) / transition(self, current, proposal))
+    }
+
+    /// What the new vertices of `path` start on. If x_0 is kept, it does not matter how it could be drawn.
+    fn ends(&self, path: &LightPath, within: &LightStratum, region: &LightRegion) -> Ends {
+        let area = within.image_area();
+        match (self.s, self.added) {
+            (0, 1..) => Ends::new(path, within.view(), region, area),
+            _ => Ends { power: region.power(), preference: 1.0, area },
+        }
     }
 
     /// P(d | n) / (n − d) · P(a | d).
@@ -191,8 +207,9 @@ impl Edit {
     /// Σ_{a′} P(a′ | a) Π forward/g Π reverse/g over the new vertices of `path`.
     fn density(&self, path: &[PathVertex], ends: Ends) -> f64 {
         // `sum`: over the splits so far, with the vertices so far; the later ones are still to be drawn from the camera.
-        let technique = |split: usize| {
-            if mis::connectible(path, self.s + split) { self.split_weight(split) } else { 0.0 }
+        let technique = |split: usize| match mis::connectible(path, self.s + split) {
+            true => self.split_weight(split) * ends.preference(self.s + split),
+            false => 0.0,
         };
         let (mut sum, mut forward) = (technique(0), 1.0);
         for split in 0..self.added {
@@ -241,8 +258,8 @@ fn power_of_half(i: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::super::strata::{LightStrata, Stratification};
-    use super::super::super::testing::{World, glass, glossy, lambert, mirror, room, two_lights, worlds};
-    use super::super::super::tests::balance::{Imbalance, imbalance, imbalance_in_tiles};
+    use super::super::super::testing::{World, glass, glossy, lambert, lamps, mirror, room, two_lights, worlds};
+    use super::super::super::tests::balance::{Imbalance, imbalance, imbalance_in_tiles, imbalance_of_mutation_only};
     use super::super::super::tests::paths::{check_recomputed, long_path};
     use super::*;
     use crate::engine::{Generator, Purpose, Stratum, generator};
@@ -333,8 +350,60 @@ mod tests {
         }
     }
 
-    fn ends(within: &LightStratum) -> Ends {
-        Ends { power: within.region().power(), area: within.image_area() }
+    #[test]
+    fn flows_are_balanced_where_lights_are_drawn_for_a_vertex() {
+        let world = &lamps();
+        let mutation = BidirectionalMutation { view: world.view() };
+        let propose = |x: &LightPath, y: &mut LightPath, within: &LightStratum, rng: &mut Generator| {
+            mutation.propose(x, y, within, rng)
+        };
+        for (cut, batches) in [(Stratification::None, 20_000), (Stratification::Count(3), 10_000)] {
+            imbalance(world, cut, batches, propose).assert_balanced(&format!("{cut:?}"));
+        }
+        let cut = Stratification::Count(3);
+        imbalance_of_mutation_only(world, cut, 20_000, propose).assert_balanced("mutation only");
+    }
+
+    /// The ratio if x_0 were drawn with a preference of the caller's.
+    fn ratio_with(
+        preference: impl Fn(&LightPath) -> f64,
+        edit: &Edit,
+        [x, y]: [&LightPath; 2],
+        within: &LightStratum,
+    ) -> f64 {
+        let wrong = |edit: &Edit, path: &LightPath| {
+            let ends = edit.ends(path, within, within.region());
+            let drawn = edit.s == 0 && edit.added > 0;
+            let wrong = Ends { preference: if drawn { preference(path) } else { 1.0 }, ..ends };
+            edit.density(&path.vertices, wrong) / edit.density(&path.vertices, ends)
+        };
+        match edit.ratio(x, y, within) {
+            0.0 => 0.0,
+            ratio => ratio * wrong(&edit.undo(), x) / wrong(edit, y),
+        }
+    }
+
+    #[test]
+    fn a_wrong_density_of_a_light_drawn_for_a_vertex_is_seen() {
+        let world = &lamps();
+        let whole = &LightRegion::whole(world.scene.lights());
+        let found = |cut, preference: &(dyn Fn(&LightPath, &LightStratum) -> f64 + Sync)| {
+            imbalance(world, cut, 20_000, |x, y, within, rng| {
+                let paths = [&mut x.clone(), y];
+                propose_with(world, paths, within, rng, |edit, _, x, y| {
+                    ratio_with(|path| preference(path, within), edit, [x, y], within)
+                })
+            })
+        };
+        let right = |path: &LightPath, within: &LightStratum| Ends::new(path, within.view(), within.region(), 1.0);
+        let cut = Stratification::Count(3);
+        found(cut, &|path, within| right(path, within).preference).assert_balanced("none");
+        found(Stratification::None, &|_, _| 1.0).assert_detected("by power");
+        found(cut, &|path, within| {
+            let of_all = Ends::new(path, within.view(), whole, 1.0);
+            of_all.preference * within.region().power() / of_all.power
+        })
+        .assert_detected("a density over all lights instead of over the stratum's");
     }
 
     fn with_ratio(ratio: impl Fn(&Edit, usize, &LightPath, &LightPath, &LightStratum) -> f64 + Sync) -> Imbalance {
@@ -382,8 +451,9 @@ mod tests {
         let found = with_ratio(|edit, _, x, y, within| edit.ratio(x, y, within));
         found.assert_balanced("none");
         let found = with_ratio(|edit, _, x, y, within| {
-            let ends = ends(within);
-            edit.undo().density(&x.vertices, ends) / edit.density(&y.vertices, ends)
+            let density =
+                |edit: &Edit, path: &LightPath| edit.density(&path.vertices, edit.ends(path, within, within.region()));
+            density(&edit.undo(), x) / density(edit, y)
         });
         println!("z = {:.2}", found.z);
         found.assert_detected("without the probability of the edit");
@@ -393,14 +463,15 @@ mod tests {
         println!("z = {:.2}", found.z);
         found.assert_detected("with the wrong weight of a split");
         let found = with_ratio(|edit, split, x, y, within| {
+            let ends = edit.ends(y, within, within.region());
             let drawn = |i: usize| match i < edit.s + split {
-                true => ends(within).forward(&y.vertices, i),
-                false => ends(within).reverse(&y.vertices, i),
+                true => ends.forward(&y.vertices, i),
+                false => ends.reverse(&y.vertices, i),
             };
             let made: f64 = (edit.s..edit.s + edit.added).map(|i| drawn(i) / mis::reference(&y.vertices, i)).product();
             let all: f64 = (0..=edit.added).map(|split| edit.split_weight(split)).sum();
-            let one = edit.split_weight(split) / all * made;
-            edit.ratio(x, y, within) * edit.density(&y.vertices, ends(within)) / one
+            let one = edit.split_weight(split) / all * made * ends.preference(edit.s + split);
+            edit.ratio(x, y, within) * edit.density(&y.vertices, ends) / one
         });
         println!("z = {:.2}", found.z);
         found.assert_detected("counting only the split that was drawn");
@@ -421,11 +492,11 @@ mod tests {
         let found = imbalance_in_tiles(&world, 10_000, |x, y, within, rng| {
             let paths = [&mut x.clone(), y];
             propose_with(&world, paths, within, rng, |edit, _, x, y| {
-                let whole = Ends::of_image(within.region().power());
-                let density = |edit: &Edit, to: &LightPath, ends| edit.density(&to.vertices, ends);
-                let back = density(&edit.undo(), x, whole) / density(&edit.undo(), x, ends(within));
-                let there = density(edit, y, whole) / density(edit, y, ends(within));
-                edit.ratio(x, y, within) * back / there
+                let wrong = |edit: &Edit, to: &LightPath| {
+                    let ends = edit.ends(to, within, within.region());
+                    edit.density(&to.vertices, Ends { area: 1.0, ..ends }) / edit.density(&to.vertices, ends)
+                };
+                edit.ratio(x, y, within) * wrong(&edit.undo(), x) / wrong(edit, y)
             })
         });
         println!("z = {:.2}", found.z);

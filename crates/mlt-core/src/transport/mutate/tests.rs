@@ -86,8 +86,8 @@ fn pose() -> CameraPose {
 }
 
 /// π/g.
-fn target(path: &LightPath, power: f64) -> f64 {
-    let ends = Ends::of_image(power);
+fn target(path: &LightPath, view: &View, region: &LightRegion) -> f64 {
+    let ends = Ends::new(path, view, region, 1.0);
     let technique =
         |s: usize| if mis::connectible(&path.vertices, s) { mis::density(&path.vertices, s, ends) } else { 0.0 };
     (0..path.vertices.len()).map(technique).sum()
@@ -140,11 +140,11 @@ fn drift(name: &str, error: impl Fn(&View, &LightPath) -> f64) -> (f64, f64) {
                 return;
             }
             proposed += 1.0;
-            let before = target(x, region.power());
+            let before = target(x, &view, &region);
             let Some(ratio) = mutation.propose(x, &mut proposal, within, &mut rng) else { return };
             assert!(applies(&proposal), "{name} leads to where it does not apply");
             let ratio = ratio * error(&view, x) / error(&view, &proposal);
-            let acceptance = (target(&proposal, region.power()) * ratio / before).min(1.0);
+            let acceptance = (target(&proposal, &view, &region) * ratio / before).min(1.0);
             accepted += acceptance;
             for ((drift, g), h) in drifts.iter_mut().zip(features(&view, &proposal)).zip(features(&view, x)) {
                 *drift += weight * before * acceptance * (g - h);

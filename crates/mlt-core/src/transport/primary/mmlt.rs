@@ -6,7 +6,7 @@
 
 use super::super::mis::{self, Ends};
 use super::super::path::{LightPath, PathVertex, set_scattering};
-use super::super::subpath::{start_at_eye, start_at_light, step_from_eye, step_from_light};
+use super::super::subpath::{light_numbers, start_at_eye, start_at_light, start_near, step_from_eye, step_from_light};
 use super::Part;
 use crate::engine::{Importance, Splat, uniform, uniform_f32};
 use crate::primary::{Output, Stream, Streams, Tracer};
@@ -111,12 +111,13 @@ impl<I> Multiplexed<'_, I> {
     /// Makes a path in place; returns w_s/p_s, `None` where its contribution is zero.
     fn make(&self, technique: &Technique, path: &mut LightPath, light: &mut Stream, eye: &mut Stream) -> Option<f64> {
         let Part { view, strata, index, .. } = self.part;
+        let region = &strata.regions()[index as usize];
         let (s, last) = (technique.light_vertices, technique.edges);
-        let ends = Ends::of_image(strata.regions()[index as usize].power());
         let camera = PathVertex::new(view.camera.vertex());
         path.vertices.resize(last + 1, camera);
         path.vertices[last] = camera;
-        self.trace_light(s, path, light)?;
+        let first = if s > 0 { light_numbers(light) } else { [0.0; 2] };
+        self.trace_light(s, path, first, light)?;
         for i in (s + 1..=last).rev() {
             if i == last {
                 let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
@@ -127,29 +128,39 @@ impl<I> Multiplexed<'_, I> {
             }
             set_scattering(&mut path.vertices, i, &view)?;
         }
+        let mut near = None;
         if s == 0 {
             let x = &path.vertices[0].vertex;
             path.light = view.scene.lights().point(x.primitive, x.position)?;
             self.part.contains(path).then_some(())?;
             path.update(&view, 0..=0)?;
         } else {
+            if s == 1 {
+                let (x_0, point, preference) = start_near(&view, region, &path.vertices[1].vertex, first);
+                (path.vertices[0], path.light, near) = (x_0, point, Some(preference));
+            }
             path.connect(&view, s, s - 1..=s)?;
         }
+        let ends = match near {
+            Some(preference) => Ends { power: region.power(), preference, area: 1.0 },
+            None => Ends::new(path, &view, region, 1.0),
+        };
         Some(mis::weight(&path.vertices, s, ends) / mis::density(&path.vertices, s, ends))
     }
 
-    /// The first s vertices; `None` where nothing can be connected to the last of them.
-    fn trace_light(&self, s: usize, path: &mut LightPath, numbers: &mut Stream) -> Option<()> {
+    /// The first s vertices, the very first from two numbers, unless it has to wait for the second; `None` where nothing can be
+    /// connected to the last of them.
+    fn trace_light(&self, s: usize, path: &mut LightPath, first: [f64; 2], numbers: &mut Stream) -> Option<()> {
         let Part { view, strata, index, .. } = self.part;
-        if s > 0 {
-            let region = &strata.regions()[index as usize];
-            (path.vertices[0], path.light) = start_at_light(&view, region, numbers);
+        if s < 2 {
+            return Some(());
         }
+        (path.vertices[0], path.light) = start_at_light(&view, &strata.regions()[index as usize], first);
         for i in 1..s {
             step_from_light(&mut path.vertices, i - 1, &view, numbers)?;
             set_scattering(&mut path.vertices, i - 1, &view)?;
         }
-        (s == 0 || !path.vertices[s - 1].vertex.delta).then_some(())
+        (!path.vertices[s - 1].vertex.delta).then_some(())
     }
 }
 

@@ -13,7 +13,6 @@ use super::bdpt::{Bidirectional, MOST_EDGES};
 use super::importance::{PixelImportance, Target};
 use super::independent::{AllPaths, ImageSampler, Independent, SampleTally};
 use super::mutate::PathMutation;
-use super::next_event::NextEvent;
 use super::path::{LightPath, View};
 use super::primary::{AllConnections, Multiplexed, Part, Techniques};
 use super::pt::PathTracer;
@@ -49,7 +48,6 @@ pub struct Renderer<'a, I = PixelImportance> {
     strata: LightStrata,
     shares: Vec<Share>,
     whole: LightRegion,
-    next_event: NextEvent,
     pilot: PilotCounts,
     plan: Option<Plan>,
 }
@@ -91,10 +89,9 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     pub fn with_importance(view: View<'a>, settings: Settings, importance: I) -> Self {
         let lights = view.scene.lights();
         let strata = LightStrata::new(lights, Stratification::None);
-        let whole = LightRegion::whole(lights);
+        let whole = strata.regions()[0].clone();
         let (shares, pilot) = (Vec::new(), PilotCounts::default());
-        let next_event = NextEvent::new(lights);
-        let mut renderer = Self { view, settings, importance, strata, shares, whole, next_event, pilot, plan: None };
+        let mut renderer = Self { view, settings, importance, strata, shares, whole, pilot, plan: None };
         match renderer.settings.method {
             Method::Auto => renderer.plan(),
             Method::Metropolis => renderer.adapt(),
@@ -122,8 +119,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
         let Settings { stratification, seed, per_pixel, .. } = self.settings;
         let (view, max_edges, importance) = (self.view, self.max_edges(), &self.importance);
         let (plan, pilot) =
-            auto::Pilot { view, importance, next_event: &self.next_event, stratification, max_edges, seed, per_pixel }
-                .run();
+            auto::Pilot { view, importance, lights: &self.whole, stratification, max_edges, seed, per_pixel }.run();
         (self.plan, self.pilot) = (Some(plan), pilot);
     }
 
@@ -224,7 +220,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             }
             Method::Bidirectional => self.evenly(&Bidirectional { view, region: &self.whole, max_edges }, run),
             Method::Path => {
-                let (next_event, max_image_edges) = (&self.next_event, max_edges);
+                let (next_event, max_image_edges) = (self.whole.next_event(), max_edges);
                 self.evenly(&PathTracer { view, next_event, max_edges, max_image_edges, branches: 1 }, run)
             }
         }

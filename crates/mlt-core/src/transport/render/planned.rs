@@ -20,7 +20,7 @@ impl<I: Importance<LightPath> + Sync> Renderer<'_, I> {
             None => self.chains(plan, run),
             &Some((Sampler::Path { branches }, samples)) => self.mixture(
                 plan,
-                &PathTracer { view, next_event: &self.next_event, max_edges, max_image_edges, branches },
+                &PathTracer { view, next_event: self.whole.next_event(), max_edges, max_image_edges, branches },
                 samples,
                 run,
             ),

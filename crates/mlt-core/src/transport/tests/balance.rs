@@ -6,6 +6,7 @@
 
 use super::super::classes::Classes;
 use super::super::path::{LightPath, Luminance};
+use super::super::region::LightRegion;
 use super::super::strata::{LightStrata, Stratification};
 use super::super::stratum::LightStratum;
 use super::super::testing::World;
@@ -89,6 +90,18 @@ pub(crate) fn imbalance_in_tiles(world: &World, batches: u64, propose: impl Prop
     let strata = LightStrata::new(world.scene.lights(), Stratification::None);
     let tiles = Classes { lengths: false, tiles: [2, 2] };
     imbalance_within(&LightStratum::product(&strata, world.view(), 12, tiles), batches, propose)
+}
+
+/// The imbalance of `propose` over `batches` batches of all paths, the light end being drawn again within parts of the lights.
+pub(crate) fn imbalance_of_mutation_only(
+    world: &World,
+    cut: Stratification,
+    batches: u64,
+    propose: impl Proposer,
+) -> Imbalance {
+    let (lights, view) = (world.scene.lights(), world.view());
+    let (strata, whole) = (LightStrata::new(lights, cut), LightRegion::whole(lights));
+    imbalance_within(&[LightStratum::mutation_only(&strata, &whole, view, 12)], batches, propose)
 }
 
 fn imbalance_within(strata: &[LightStratum], batches: u64, propose: impl Proposer) -> Imbalance {
