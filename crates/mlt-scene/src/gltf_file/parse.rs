@@ -128,7 +128,9 @@ fn matters(path: &str, error: Error) -> bool {
     const UNREAD: &[&str] = &["animations", "images", "samplers", "skins", "textures"];
     const CHECKED_LATER: &[&str] = &[".bufferView", ".componentType", ".type", ".min", ".max"];
     let unread = UNREAD.iter().any(|part| path.starts_with(part)) || path.contains("<invalid semantic name>");
-    let later = path.starts_with("accessors") && CHECKED_LATER.iter().any(|end| path.ends_with(end));
+    let later = path.starts_with("accessors")
+        && CHECKED_LATER.iter().any(|end| path.ends_with(end))
+        && error != Error::IndexOutOfBounds;
     let bounds = path.contains("[\"POSITION\"].m");
-    error != Error::Unsupported && !unread && !(later && error != Error::IndexOutOfBounds) && !bounds
+    !(error == Error::Unsupported || unread || later || bounds)
 }
