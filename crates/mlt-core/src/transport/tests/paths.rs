@@ -35,7 +35,7 @@ fn regions(world: &World) -> impl Iterator<Item = LightRegion> {
 #[test]
 fn weights_of_all_techniques_of_a_path_sum_to_one() {
     for ((name, world), region) in
-        worlds().iter().flat_map(|world| regions(&world.1).into_iter().map(move |r| (world, r)))
+        worlds().iter().flat_map(|world| regions(&world.1).map(move |r| (world, r)))
     {
         let mut paths = 0;
         visit_paths_from(&region, world, 1000, |path, _| {
@@ -128,7 +128,7 @@ fn cached_values_equal_recomputed_ones() {
 #[test]
 fn samples_for_the_image_are_those_of_paths() {
     for ((name, world), region) in
-        worlds().iter().flat_map(|world| regions(&world.1).into_iter().map(move |r| (world, r)))
+        worlds().iter().flat_map(|world| regions(&world.1).map(move |r| (world, r)))
     {
         let sampler = Bidirectional { view: world.view(), region: &region, max_edges: 12 };
         let mut lit = 0;
