@@ -5,9 +5,10 @@
 
 use super::bdpt::{Bidirectional, Carried, LightSubpath, Scratch, Subpath};
 use super::bsdf::Evaluation;
+use super::edge::Edge;
 use super::kind::{Kind, LightEnd, PathEnd};
 use super::mis::{Ends, square};
-use super::path::{Edge, PathVertex, emission, scattering};
+use super::path::{PathVertex, emission, scattering};
 use super::vertex::Vertex;
 use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;

@@ -10,6 +10,7 @@ pub mod camera;
 pub mod classes;
 mod connect;
 pub mod description;
+mod edge;
 mod hilbert;
 pub mod importance;
 pub mod independent;

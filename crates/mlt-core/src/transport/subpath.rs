@@ -3,8 +3,9 @@
 //! Both kinds fill slots of one array in the order of the finished path: a light subpath grows towards larger indices,
 //! a camera subpath towards smaller ones. A finished path needs no turning round.
 
+use super::edge::Edge;
 use super::light::LightPoint;
-use super::path::{Edge, PathVertex, View, set_edge};
+use super::path::{PathVertex, View, set_edge};
 use super::region::LightRegion;
 use super::vertex::Vertex;
 use crate::engine::{uniform, uniform_f32};

@@ -2,8 +2,9 @@
 
 use super::super::Rgb;
 use super::super::bdpt::Bidirectional;
+use super::super::edge::Edge;
 use super::super::mis::{self, Ends};
-use super::super::path::{Edge, LightPath, PathVertex, set_edge};
+use super::super::path::{LightPath, PathVertex, set_edge};
 use super::super::region::LightRegion;
 use super::super::scene::Scene;
 use super::super::strata::{LightStrata, Stratification};
@@ -34,9 +35,7 @@ fn regions(world: &World) -> impl Iterator<Item = LightRegion> {
 
 #[test]
 fn weights_of_all_techniques_of_a_path_sum_to_one() {
-    for ((name, world), region) in
-        worlds().iter().flat_map(|world| regions(&world.1).map(move |r| (world, r)))
-    {
+    for ((name, world), region) in worlds().iter().flat_map(|world| regions(&world.1).map(move |r| (world, r))) {
         let mut paths = 0;
         visit_paths_from(&region, world, 1000, |path, _| {
             let ends = Ends::new(path, &world.view(), &region, 0.3);
@@ -127,9 +126,7 @@ fn cached_values_equal_recomputed_ones() {
 /// Without paths, the same subpaths give every pixel the same.
 #[test]
 fn samples_for_the_image_are_those_of_paths() {
-    for ((name, world), region) in
-        worlds().iter().flat_map(|world| regions(&world.1).map(move |r| (world, r)))
-    {
+    for ((name, world), region) in worlds().iter().flat_map(|world| regions(&world.1).map(move |r| (world, r))) {
         let sampler = Bidirectional { view: world.view(), region: &region, max_edges: 12 };
         let mut lit = 0;
         for i in 0..1000 {
