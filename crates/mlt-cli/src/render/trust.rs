@@ -133,7 +133,7 @@ mod tests {
         // Columns of a lamp, of which every other pixel of the first is hidden in half of the rounds.
         let lamp = |x: u32, y: u32, round| match x {
             ..15 => noise(x, y, round),
-            15 if y.is_multiple_of(5) => 100.0 * f64::from(round % 2),
+            15 if y.is_multiple_of(2) => 100.0 * f64::from(round % 2),
             _ => 100.0,
         };
         assert!(worst(lamp) < MOST_OF_WORST, "{}", worst(lamp));

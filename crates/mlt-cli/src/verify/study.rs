@@ -23,6 +23,8 @@ use crate::{
 
 /// Most groups of lights that the reference renders apart.
 const MOST_GROUPS: usize = 8;
+/// Fewest rounds of a replica whose number is not given: one round says nothing of its error.
+const FEWEST_ROUNDS: u64 = 4;
 /// How far lights move between two frames, in sizes of the scene.
 const NUDGE: f64 = 1e-6;
 /// The reference's seeds start here, beyond those of the methods.
@@ -59,7 +61,7 @@ impl Effort {
         budget.chain(self.rounds.map(|rounds| format!("--rounds={rounds}"))).collect()
     }
 
-    /// Mutations or samples a pixel of this method, one a round at least.
+    /// Mutations or samples a pixel of this method, enough for one a round.
     fn per_pixel_of(&self, method: Method) -> f64 {
         let Some(per_pixel) = self.per_pixel else { return Plan::usual(method) };
         let cost = match method {
@@ -67,7 +69,7 @@ impl Effort {
             Method::Auto | Method::Pt | Method::Mmlt => 2.0,
             _ => 1.0,
         };
-        (per_pixel / cost).max(self.rounds.map_or(1.0, |rounds| rounds as f64))
+        (per_pixel / cost).max(self.rounds.unwrap_or(FEWEST_ROUNDS) as f64)
     }
 }
 

@@ -384,7 +384,7 @@ mod tests {
                 let (mean, n) = (sum / f64::from(n), f64::from(n));
                 let error = ((squares / n - mean * mean).max(0.0) / n).sqrt();
                 assert!(
-                    (mean - 1.0).abs() < 4.5 * error + 1e-9,
+                    (mean - 1.0).abs() < 4.5 * error + 1e-6,
                     "{mean} ± {error} at {vertex:?} of {:?}",
                     region.cells()
                 );
