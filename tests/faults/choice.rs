@@ -22,7 +22,7 @@ fn chains_get_what_the_plan_promises() {
 #[test]
 fn no_seed_is_much_worse_than_a_single_method() {
     let output = Command::new(env!("CARGO_BIN_EXE_mlt"))
-        .args(["verify", "--choice", "door-ajar", "cornell", "--size", "32x32", "--budgets", "128", "--replicas", "4"])
+        .args(["verify", "--choice", "door-ajar", "cornell", "--size", "64x64", "--budgets", "64", "--replicas", "4"])
         .output()
         .expect("mlt starts");
     let [table, message] = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());

@@ -139,6 +139,12 @@ pub(crate) fn two_lights(left: Bsdf, right: Bsdf) -> World {
         .light(triangle, Rgb::new(2.0, 3.0, 6.0), true))
 }
 
+/// The box with a ball that emits and reflects.
+pub(crate) fn glowing() -> World {
+    let material = Material { emission: Rgb::new(2.0, 3.0, 6.0), ..veil(lambert(Rgb::splat(0.7)), 1.0) };
+    see(walls().mesh(ball(DVec3::new(0.2, -0.3, 0.1), 0.5, true), material))
+}
+
 /// The box with a small ball of light in one corner, a large panel that faces away from it, and one with two faces.
 pub(crate) fn lamps() -> World {
     let panel = |x: f64, z: f64| -> [DVec3; 4] {
@@ -227,6 +233,7 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("frosted glass", room(glass(0.4), false)),
         ("two lights", two_lights(glass(0.0), mirror())),
         ("veils", veils()),
+        ("glowing ball", glowing()),
         ("lamps", lamps()),
     ]
 }

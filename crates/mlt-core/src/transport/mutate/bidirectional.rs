@@ -136,8 +136,15 @@ impl Edit {
             let ends = Ends { power, ..edit.ends(to, within, region) };
             edit.probability(from.vertices.len(), within.max_edges()) * edit.density(&to.vertices, ends)
         };
-        mis::kept_reference(&current.vertices, &proposal.vertices, self.s)
+        self.kept_reference(current, proposal)
             * (transition(&self.undo(), proposal, current) / transition(self, current, proposal))
+    }
+
+    /// g(y)/g(x) over the vertices that are kept. On the camera's side it is 1 but where s = 0 and the first of them is x_0 in one
+    /// path, where g does not count it, and a surface in the other.
+    fn kept_reference(&self, x: &LightPath, y: &LightPath) -> f64 {
+        let first = |path: &LightPath, replaced: usize| mis::reference(&path.vertices, self.s + replaced);
+        mis::kept_reference(&x.vertices, &y.vertices, self.s) * (first(y, self.added) / first(x, self.deleted))
     }
 
     /// What the new vertices of `path` start on. If x_0 is kept, it does not matter how it could be drawn.
@@ -258,7 +265,9 @@ fn power_of_half(i: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::super::strata::{LightStrata, Stratification};
-    use super::super::super::testing::{World, glass, glossy, lambert, lamps, mirror, room, two_lights, worlds};
+    use super::super::super::testing::{
+        World, glass, glossy, glowing, lambert, lamps, mirror, room, two_lights, worlds,
+    };
     use super::super::super::tests::balance::{Imbalance, imbalance, imbalance_in_tiles, imbalance_of_mutation_only};
     use super::super::super::tests::paths::{check_recomputed, long_path};
     use super::*;
@@ -340,6 +349,7 @@ mod tests {
             ("coated", room(glossy(), true)),
             ("two lights", two_lights(glass(0.0), mirror())),
             ("frosted glass", room(glass(0.4), false)),
+            ("glowing ball", glowing()),
         ] {
             let mutation = BidirectionalMutation { view: world.view() };
             for (cut, batches) in [(Stratification::None, 40_000), (Stratification::Grid(2, 1), 10_000)] {
@@ -348,6 +358,20 @@ mod tests {
                 found.assert_balanced(name);
             }
         }
+    }
+
+    /// The control for a surface that emits and reflects: without its factor in g where it is kept.
+    #[test]
+    fn a_kept_light_that_is_forgotten_is_seen() {
+        let world = glowing();
+        let found = imbalance(&world, Stratification::None, 40_000, |x, y, within, rng| {
+            let paths = [&mut x.clone(), y];
+            propose_with(&world, paths, within, rng, |edit, _, x, y| {
+                let forgetful = mis::kept_reference(&x.vertices, &y.vertices, edit.s);
+                edit.ratio(x, y, within) * forgetful / edit.kept_reference(x, y)
+            })
+        });
+        found.assert_detected("without the light's factor");
     }
 
     #[test]
