@@ -141,5 +141,6 @@ fn damaged_obj_and_mtl() {
     fs::write(folder.path().join("scene.mtl"), mtl).unwrap();
     fuzz_both_ways(folder.path(), "scene.obj", "scene.obj", 4);
     fs::write(folder.path().join("scene.obj"), obj).unwrap();
-    fuzz_both_ways(folder.path(), "scene.obj", "scene.mtl", 5);
+    // A statement of a library that cannot be read is a warning, so damage there refuses nothing.
+    assert_eq!(fuzz(folder.path(), "scene.obj", "scene.mtl", 5), CASES);
 }

@@ -169,6 +169,21 @@ impl Replicas {
         Self { images: self.images.iter().zip(&other.images).map(add).collect() }
     }
 
+    /// Means over blocks of `side` × `side` pixels. A pixel that few replicas light has a mean that is not normal.
+    pub fn in_blocks(&self, [width, height]: [u32; 2], side: u32) -> Self {
+        let channels = 3;
+        let block = |x: &Vec<f64>, column: u32, row: u32, channel: usize| {
+            let pixels = (row..row + side).flat_map(|y| (column..column + side).map(move |x| (y * width + x) as usize));
+            pixels.map(|pixel| x[channels * pixel + channel]).sum::<f64>() / f64::from(side * side)
+        };
+        let corners =
+            || (0..height).step_by(side as usize).flat_map(|y| (0..width).step_by(side as usize).map(move |x| (x, y)));
+        let pooled = |x: &Vec<f64>| {
+            corners().flat_map(|(column, row)| (0..channels).map(move |c| block(x, column, row, c))).collect()
+        };
+        Self { images: self.images.iter().map(pooled).collect() }
+    }
+
     pub fn mean(&self) -> Vec<f64> {
         let n = self.images.len() as f64;
         (0..self.images[0].len()).map(|i| self.images.iter().map(|x| x[i]).sum::<f64>() / n).collect()
