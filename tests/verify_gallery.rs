@@ -12,7 +12,7 @@ use mlt_cli::{
 };
 use mlt_scene::gallery::{Outcome, SCENES, find};
 
-const EFFORT: (u64, f64, u64) = (12, 16.0, 4);
+const EFFORT: (u64, f64, u64) = (12, 32.0, 4);
 const METHODS: [&str; 5] = ["auto", "mlt", "bdpt", "pt", "mmlt"];
 
 fn subject(file: &Path, seed: u64, factor: f64) -> Subject {

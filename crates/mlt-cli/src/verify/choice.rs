@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
+use mlt_core::transport::auto::{TIME_OF_A_BIDIRECTIONAL_RAY, TIME_OF_A_CHAINS_RAY};
 use mlt_scene::gallery::find;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -34,8 +35,6 @@ const SHARE: f64 = 2.0;
 const SMALL_SHARE: f64 = 0.05;
 /// Error of a seed over the best method's median, at most, unless that method's own seeds differ by more.
 const ERROR: f64 = 3.0;
-/// Time of a ray of chains and of bidirectional samples over one of path tracing, as the plan counts them.
-const TIME_OF_A_RAY: f64 = 1.2;
 /// Work of the image that is taken for true, in largest budgets.
 const TRUTH: f64 = 32.0;
 /// Seed of that.
@@ -261,8 +260,9 @@ fn units(report: &Report) -> f64 {
 fn shares(report: &Report) -> [f64; 2] {
     let decision = report.decision.as_ref();
     let bidirectional = decision.is_some_and(|decision| decision.independent == Some("bdpt"));
-    let chains = TIME_OF_A_RAY * report.chain_rays as f64;
-    let samples = (report.rays - report.chain_rays) as f64 * if bidirectional { TIME_OF_A_RAY } else { 1.0 };
+    let chains = TIME_OF_A_CHAINS_RAY * report.chain_rays as f64;
+    let time_of_a_ray = if bidirectional { TIME_OF_A_BIDIRECTIONAL_RAY } else { 1.0 };
+    let samples = time_of_a_ray * (report.rays - report.chain_rays) as f64;
     [chains / (chains + samples), decision.map_or(0.0, |decision| decision.chain_share)]
 }
 

@@ -21,7 +21,7 @@ pub enum Sampler {
 }
 
 /// Time of a ray of a bidirectional sample, with all that comes with it, over that in path tracing.
-const TIME_OF_A_BIDIRECTIONAL_RAY: f64 = 1.2;
+pub const TIME_OF_A_BIDIRECTIONAL_RAY: f64 = 1.2;
 /// Numbers of branches that are tried.
 const BRANCHES: [u32; 4] = [1, 2, 4, 8];
 /// Candidates for each limit of length: path tracing with each number of branches, and bidirectional path tracing.

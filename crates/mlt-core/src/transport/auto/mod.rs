@@ -36,12 +36,12 @@ use plan::summary;
 use share::{Chains, share_out};
 use tails::{Tail, Tails};
 
-pub use candidates::Sampler;
+pub use candidates::{Sampler, TIME_OF_A_BIDIRECTIONAL_RAY};
 pub use parts::SomePaths;
 pub use plan::{PartSummary, Plan, Summary};
 
 /// Time of a ray of chains, with all that comes with it, over that in path tracing.
-const TIME_OF_A_CHAINS_RAY: f64 = 1.2;
+pub const TIME_OF_A_CHAINS_RAY: f64 = 1.2;
 
 /// Pixels of the image for each of the pilot's, but no fewer than [`USUAL_PIXELS`].
 const REDUCTION: f64 = 16.0;
