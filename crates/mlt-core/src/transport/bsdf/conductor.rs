@@ -11,7 +11,7 @@ use std::f32::consts::FRAC_1_PI;
 
 /// f_s = F(h·l) D G₂/(4 cosθₗ cosθₑ) + F_m m(θₗ) m(θₑ)/(π m̄) on either side, F by Schlick from F₀ and F₉₀.
 ///
-/// The second term is what microfacets reflect more than once: of m ([`Albedo`]) it is the share F_m = F̄² Ē/(1 - F̄ m̄), with
+/// The second term is what microfacets reflect more than once: of m (`Albedo`) it is the share F_m = F̄² Ē/(1 - F̄ m̄), with
 /// F̄ and Ē = 1 - m̄ means over the hemisphere. White (F = 1) absorbs nothing. Derivation: docs/theory-surfaces.md.
 ///
 /// Source: Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
@@ -102,13 +102,13 @@ impl Conductor {
         Some(Met { evaluation, lacking })
     }
 
-    /// f_s, and (1 - p) D_v(h)/(4 h·given) + p q with p = F̄ m/(1 - m + F̄ m) and q of [`Spread`].
+    /// f_s, and (1 - p) D_v(h)/(4 h·given) + p q with p = F̄ m/(1 - m + F̄ m) and q of `Spread`.
     #[inline]
     pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
         self.meet(n, to_light, to_eye).map_or(Evaluation::NOTHING, |met| met.evaluation)
     }
 
-    /// Mirrors `given` about a visible normal, or draws from [`Spread`].
+    /// Mirrors `given` about a visible normal, or draws from `Spread`.
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let cos = n.dot(given);

@@ -10,7 +10,7 @@
 //!
 //! Sources: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007; Heitz, "Understanding the
 //! Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 2014. Light that meets the surface more than once:
-//! [`super::albedo`].
+//! `albedo`.
 
 use super::super::math::frame;
 use super::fresnel::reflect;

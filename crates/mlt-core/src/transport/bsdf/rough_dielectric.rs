@@ -63,7 +63,7 @@ impl RoughDielectric {
         &self.sides[usize::from(cos < 0.0)]
     }
 
-    /// f_s, and (1 - m) times the density of what is scattered once, plus m (1 - X/M) or m X/M times q of [`Spread`].
+    /// f_s, and (1 - m) times the density of what is scattered once, plus m (1 - X/M) or m X/M times q of `Spread`.
     #[inline]
     pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
         let (l, e) = (n.dot(to_light), n.dot(to_eye));
@@ -88,7 +88,7 @@ impl RoughDielectric {
         }
     }
 
-    /// Draws what is scattered once, or from [`Spread`] on either side.
+    /// Draws what is scattered once, or from `Spread` on either side.
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let cos = n.dot(given);

@@ -13,7 +13,7 @@ use std::f32::consts::FRAC_1_PI;
 /// A reflection lobe of share R', and the same lobe mirrored through the surface of share (1 - R')·tint.
 ///
 /// f_s = R'(h·l) D G₂/(4 cosθₗ cosθₑ) + R̄' m(θₗ) m(θₑ)/(π m̄), or the same with 1 - R' in place of R', times tint, with one
-/// direction mirrored through the surface; R': [`slab_reflectance`], R̄' its mean over the hemisphere, m: [`Albedo`]; η = 1 on
+/// direction mirrored through the surface; R': `slab_reflectance`, R̄' its mean over the hemisphere, m: `Albedo`; η = 1 on
 /// both sides. Untinted it absorbs nothing.
 #[derive(Clone, Debug)]
 pub struct RoughThin {
@@ -45,7 +45,7 @@ impl RoughThin {
         Self { ior, tint, ggx, table, spread: Spread::new(ggx), reflected, scale: FRAC_1_PI / table.average().white }
     }
 
-    /// f_s, and (1 - m) R' or 1 - R' times D_v(h)/(4 h·given), and m R̄' or 1 - R̄' times q of [`Spread`].
+    /// f_s, and (1 - m) R' or 1 - R' times D_v(h)/(4 h·given), and m R̄' or 1 - R̄' times q of `Spread`.
     ///
     /// Both directions are brought to the front; it is the one on the back that is moved, so that values and densities see the
     /// same rounding.
@@ -73,7 +73,7 @@ impl RoughThin {
         }
     }
 
-    /// Mirrors `given` about a visible normal, or draws from [`Spread`]; with probability 1 - R' or 1 - R̄' through the surface as well.
+    /// Mirrors `given` about a visible normal, or draws from `Spread`; with probability 1 - R' or 1 - R̄' through the surface as well.
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let h = self.ggx.sample_normal(n, given, [u[0], u[1]])?;
