@@ -12,7 +12,7 @@ fn a_contact_shadow_does_not_depend_on_the_size_of_the_ground() {
             render(&format!("{ground}/scene.gltf"), &options).report["b"].as_f64().expect("b")
         };
         for b in [image("pt", 64), image("bdpt", 16)] {
-            assert!((b / 0.1308 - 1.0).abs() < 0.003, "{ground}: {b}");
+            assert!((b / 0.1308 - 1.0).abs() < 0.001, "{ground}: {b}");
         }
     }
 }

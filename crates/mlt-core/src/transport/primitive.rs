@@ -1,6 +1,6 @@
 //! A triangle with all that a hit needs.
 
-use super::accel::size;
+use super::accel::{COARSE, size};
 use super::description::SceneDescription;
 use super::material::Material;
 use super::mesh::Mesh;
@@ -20,7 +20,8 @@ pub(super) struct Primitive {
     pub(super) material: u32,
     /// Index into the scene's normals, or [`FLAT`].
     pub(super) normals: u32,
-    /// Bound on the error of a point interpolated from the vertices; of a coarse triangle, of its points near the origin.
+    /// Bound on the error of a point interpolated from the vertices. Points of a coarse triangle are rounded where they lie; this
+    /// is the bound at the origin, no more than that of the scene's smallest triangle.
     pub(super) error: f32,
     /// As of [`Vertex`](super::vertex::Vertex).
     pub(super) delta: bool,
@@ -43,7 +44,7 @@ impl Primitive {
     /// Sets the bound on the error of its points, where triangles that are larger than `coarse_size` are coarse.
     pub(super) fn set_error(&mut self, coarse_size: f32) {
         self.coarse = size(&self.vertices) > coarse_size;
-        let reach = if self.coarse { self.reach().min(coarse_size) } else { self.reach() };
+        let reach = if self.coarse { coarse_size / COARSE } else { self.reach() };
         self.error = ERROR_FACTOR * reach;
     }
 

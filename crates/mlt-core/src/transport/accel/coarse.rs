@@ -11,7 +11,7 @@ use glam::Vec3;
 
 /// How many times larger than the smallest triangle a triangle is whose t has an error that may show: 1/250 of the former's
 /// size.
-const COARSE: f32 = 16_384.0;
+pub const COARSE: f32 = 16_384.0;
 
 /// Triangles whose bounding box has a side longer than this are coarse.
 pub fn coarse_size(triangles: &[[Vec3; 3]]) -> f32 {

@@ -26,7 +26,7 @@ mod wide;
 #[cfg(test)]
 mod tests;
 
-pub use coarse::{coarse_size, size};
+pub use coarse::{COARSE, coarse_size, size};
 
 use super::ray::{Hit, Ray};
 use crate::instructions::InstructionSet;
