@@ -36,7 +36,7 @@ pub struct VerifyOptions {
     #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = per_pixel, default_values_t = [4.0, 64.0])]
     #[arg(requires = "choice")]
     pub budgets: Vec<f64>,
-    /// What to judge: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render'; what that does by itself
+    /// Methods to judge: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render'; what that does by itself
     /// if not given, with --gallery every method
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
     pub methods: Vec<Variant>,

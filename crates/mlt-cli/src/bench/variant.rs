@@ -47,7 +47,7 @@ impl Variant {
 }
 
 impl Default for Variant {
-    /// What `mlt render SCENE` does by itself, under the name of its method.
+    /// The default of `mlt render SCENE`, under the name of its method.
     fn default() -> Self {
         let unnamed = Self { text: String::new(), words: Vec::new() };
         let method = unnamed.render_options(Path::new("cornell"), &[]).ok().map(|options| value_name(options.method()));

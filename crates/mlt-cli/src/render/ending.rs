@@ -23,7 +23,7 @@ pub struct Ending {
     start: Instant,
     /// When its first round began.
     rounds_since: Instant,
-    /// What a round is expected to take, as long as none is finished.
+    /// Expected time of a round, as long as none is finished.
     expected: Duration,
 }
 
@@ -66,7 +66,7 @@ impl Ending {
         if self.interrupt.requested() || (at_end && done) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// What to say if the error that was asked for is not reached.
+    /// The warning if the error that was asked for is not reached.
     pub fn missed(&self, rounds: u64, error: Option<f64>) -> Option<String> {
         let target = 100.0 * self.plan.error?;
         match error {

@@ -29,7 +29,7 @@ pub struct Setup {
     pub camera: Camera,
     /// What the loader left out.
     pub warnings: Vec<String>,
-    /// What the scene and the film leave for the rounds.
+    /// The memory that the scene and the film leave for the rounds.
     pub memory: Memory,
 }
 

@@ -19,10 +19,10 @@ const MOST_OF_WORST: f64 = 0.7;
 const MOST_OF_ROUND: f64 = 1.0 / 3.0;
 /// Fewest independent samples of equal weight that chains should start from.
 const LEAST_STARTS: f64 = 50.0;
-/// What helps.
+/// The remedy, in words.
 const REMEDY: &str = "some paths are met by few rounds; take more, or another method";
 
-/// What the bars of an image rest on.
+/// Figures that tell whether the bars of an image can be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Trust {
     /// Share of the squared relative error, as estimated, that lies in the worst hundredth of the pixels; `None` without any, and with

@@ -78,7 +78,7 @@ pub struct Report {
     pub relative_error: Option<f64>,
     /// How well the rounds agree; `None` without chains, when there were too few rounds to tell, and for a black image.
     pub agreement: Option<Agreement>,
-    /// What the error bars rest on.
+    /// Figures that tell whether the error bars can be trusted.
     pub trust: Trust,
     /// What the method `auto` decided; `None` for other methods.
     pub decision: Option<Decision>,

@@ -47,7 +47,7 @@ struct Runs {
     reports: Vec<Report>,
 }
 
-/// What was found of one scene and budget.
+/// Figures of one scene and budget.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// The scene as it was named.
@@ -67,7 +67,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// What is wrong, in words; empty if nothing is.
+    /// The faults, in words; empty if there is none.
     pub fn faults(&self) -> Vec<String> {
         let all = self.errors.len();
         let seeds = |count: usize, text: &str| (count > 0).then(|| format!("{count} of {all} seeds {text}"));

@@ -62,7 +62,7 @@ pub(super) fn per_pixel(measure: Measure, from: u32, to: u32) -> Measure {
     }
 }
 
-/// What chains found in a part.
+/// Figures of the chains in a part.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Chained {
     /// See [`per_pixel`].

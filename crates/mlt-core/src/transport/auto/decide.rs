@@ -67,7 +67,7 @@ const LEAST_CHAINS: f64 = 0.125;
 /// Work of a round over what was asked for, at most: numbers of samples are powers of two.
 const MOST_WORK: f64 = 1.25;
 
-/// What a pilot may decide for.
+/// The decisions that are open to a pilot.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Choice {
     /// The best method alone. Chains with help for nothing but what they do not sample at all, or what is dark, are one.
