@@ -113,7 +113,7 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
 struct Round {
     /// Mutations or samples a pixel.
     per_pixel: f64,
-    /// Bytes that it takes, about; 0 where that does not matter.
+    /// Time that a round of it takes, about; 0 where that does not matter.
     time: Duration,
 }
 
