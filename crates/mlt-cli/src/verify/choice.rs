@@ -8,6 +8,7 @@ use mlt_core::transport::auto::{TIME_OF_A_BIDIRECTIONAL_RAY, TIME_OF_A_CHAINS_RA
 use mlt_scene::gallery::find;
 use rayon::prelude::*;
 use serde::Serialize;
+use statrs::distribution::{DiscreteCDF, Hypergeometric};
 
 use super::{errors::rel_mse, evidence::pixels};
 use crate::{
@@ -33,8 +34,13 @@ const WORK: [f64; 2] = [0.5, 1.5];
 const SHARE: f64 = 2.0;
 /// Shares of the work that are too small to be held to that.
 const SMALL_SHARE: f64 = 0.05;
-/// Error of a seed over the best method's median, at most, unless that method's own seeds differ by more.
+/// Error of a seed over the best method's median that is too much. The seeds of a good method may leave so much too, where it
+/// samples something rare: what counts is whether `auto` does so more often.
 const ERROR: f64 = 3.0;
+/// Error of a seed over that, and over the best method's worst seed, that no chance explains.
+const RUIN: f64 = 10.0;
+/// Probability of as many bad seeds or more, if `auto` and the best method have the same law, below which they have not.
+const SIGNIFICANCE: f64 = 0.05;
 /// Work of the image that is taken for true, in largest budgets.
 const TRUTH: f64 = 32.0;
 /// Seed of that.
@@ -74,14 +80,23 @@ impl Row {
         let off = |[found, planned]: &&[f64; 2]| {
             found.max(*planned) > SMALL_SHARE && (found / planned).max(planned / found) > SHARE
         };
-        let most = largest(&self.best_errors).max(ERROR * median_of(self.best_errors.iter().copied()));
+        let most = ERROR * median_of(self.best_errors.iter().copied());
+        let bad = |errors: &[f64]| errors.iter().filter(|error| **error > most).count() as u64;
+        let [found, own] = [&self.errors, &self.best_errors].map(|errors| [bad(errors), errors.len() as u64]);
+        let too_many = if p_of_more(found, own) < SIGNIFICANCE { found[0] as usize } else { 0 };
+        let ruin = RUIN * largest(&self.best_errors).max(most);
+        let ruined = self.errors.iter().filter(|error| **error > ruin).count();
         let work = self.work.iter().filter(|work| !(WORK[0]..=WORK[1]).contains(*work)).count();
         let shares = self.shares.iter().filter(off).count();
-        let errors = self.errors.iter().filter(|error| **error > most).count();
-        [seeds(work, "miss the budget"), seeds(shares, "miss the plan"), seeds(errors, "leave too much error")]
-            .into_iter()
-            .flatten()
-            .collect()
+        [
+            seeds(work, "miss the budget"),
+            seeds(shares, "miss the plan"),
+            seeds(too_many, "leave too much error"),
+            seeds(ruined, "are ruined"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
     }
 
     /// A line of a table.
@@ -105,6 +120,18 @@ impl Row {
             100.0 * planned,
             if faults.is_empty() { "holds".into() } else { format!("**{}**", faults.join(", ")) },
         )
+    }
+}
+
+/// Probability that a part of n of all events has k of the bad ones or more by chance, from [k, n] of it and of the others: the
+/// hypergeometric law.
+///
+/// Source: [Fisher22].
+fn p_of_more(found: [u64; 2], others: [u64; 2]) -> f64 {
+    let (bad, all) = (found[0] + others[0], found[1] + others[1]);
+    match Hypergeometric::new(all, bad, found[1]) {
+        Ok(law) if found[0] > 0 => law.sf(found[0] - 1),
+        _ => 1.0,
     }
 }
 
@@ -289,6 +316,19 @@ mod tests {
         assert!(steady.faults().is_empty());
     }
 
+    /// One bad seed of eight may be chance, also where the best method has none; five of eight are not.
+    #[test]
+    fn bad_seeds_are_counted_against_those_of_the_best_method() {
+        let with = |bad: usize, own: usize| {
+            let errors = |bad| (0..8).map(|i| if i < bad { 9.0 } else { 1.0 }).collect::<Vec<_>>();
+            Row { errors: errors(bad), best_errors: errors(own), ..row() }.faults()
+        };
+        assert!(with(1, 0).is_empty() && with(4, 3).is_empty());
+        assert_eq!(with(5, 0), ["5 of 8 seeds leave too much error"]);
+        // 5 of 8 and none of 8: (8 choose 5)/(16 choose 5).
+        assert!((p_of_more([5, 8], [0, 8]) - 56.0 / 4368.0).abs() < 1e-12);
+    }
+
     /// Chains that make a handful of mutations where they were promised nearly all of the work, rays that nobody asked for, and
     /// errors that a single method does not leave.
     #[test]
@@ -297,7 +337,7 @@ mod tests {
         assert_eq!(starved.faults(), ["3 of 3 seeds miss the plan"]);
         let late = Row { work: vec![1.0, 1.6, 0.4], ..row() };
         assert_eq!(late.faults(), ["2 of 3 seeds miss the budget"]);
-        let unlucky = Row { errors: vec![1.0, 2.0, 30.0], ..row() };
-        assert_eq!(unlucky.faults(), ["1 of 3 seeds leave too much error"]);
+        let unlucky = Row { errors: vec![1.0, 2.0, 50.0], ..row() };
+        assert_eq!(unlucky.faults(), ["1 of 3 seeds are ruined"]);
     }
 }
