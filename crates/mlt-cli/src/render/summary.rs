@@ -13,9 +13,6 @@ use crate::{
     report::{Acceptance, Report, StratumReport},
 };
 
-/// A run of rejections that is worth a warning: half of the longest chain of a round.
-const STUCK: u64 = 4096;
-
 /// The report, but for times, files and what only the session knows.
 pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Counts) -> Report {
     let [width, height] = setup.camera.size().map(|n| n as usize);
@@ -60,7 +57,7 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
         warnings: setup.warnings.clone(),
         outputs: Vec::new(),
     };
-    report.warnings.extend(warnings(film, counts));
+    report.warnings.extend(warnings(film));
     report.warnings.extend(losses(film, counts, width));
     report
 }
@@ -90,14 +87,13 @@ fn stratum(stats: &StratumStats) -> StratumReport {
     StratumReport { b, b_stderr, mutations, longest_rejection, r_hat, effective_states, halves }
 }
 
-fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
+fn warnings(film: &Film<3>) -> Vec<String> {
     let mut warnings = Vec::new();
     let mut warn = |condition: bool, text: String| {
         if condition {
             warnings.push(text);
         }
     };
-    let longest = counts.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0);
     let dark = (0..film.sites() as usize).all(|i| film.pixel(i).iter().all(|channel| channel.mean == 0.0));
     let rounds = film.rounds();
     warn(rounds == 1, format!("one round says nothing of its error; take {TRUSTED_ROUNDS} or more to know it"));
@@ -105,7 +101,6 @@ fn warnings(film: &Film<3>, counts: &Counts) -> Vec<String> {
         (2..TRUSTED_ROUNDS).contains(&rounds),
         format!("the error is estimated from {rounds} rounds only; take {TRUSTED_ROUNDS} or more to trust it"),
     );
-    warn(longest > STUCK, format!("a chain was stuck for {longest} mutations; the image may have bright spots"));
     warn(dark, "the image is black: no path from a light to the camera was found".into());
     warnings
 }

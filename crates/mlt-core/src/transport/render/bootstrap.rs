@@ -38,8 +38,7 @@ impl Samples {
 
 /// Pixels of images that the usual numbers are made for; larger ones need fewer samples.
 const PIXELS: f64 = 16_384.0;
-/// Fewest and most mutations for one independent sample, however its weight varies. At the most a chain of 2¹³ has 32 samples
-/// to start from.
+/// Fewest and most mutations for one independent sample, however its weight varies.
 const LIMITS: [f64; 2] = [4.0, 256.0];
 /// Most and least work of mutations over that of independent samples, within [`LIMITS`]: samples take no more than half of the
 /// work, and a 64th in any case, as an error of b̂ is small in squares but the same everywhere.
