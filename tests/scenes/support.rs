@@ -1,7 +1,5 @@
 //! Small scene files, made as the tests need them.
 
-#![allow(dead_code, reason = "each test binary uses its share")]
-
 use mlt_scene::{Loaded, SceneError, load};
 use serde_json::{Value, json};
 use std::{fs, path::Path};

@@ -1,11 +1,9 @@
 //! OBJ files with their material libraries.
 
-mod scene_support;
-
+use crate::support::{check_sentence, load_files};
 use glam::{DVec3, Vec3};
 use mlt_core::transport::{bsdf::Bsdf, description::SceneDescription};
 use mlt_scene::{BUILTIN, Loaded, SceneError, bounds, camera_framing, camera_look_at, open};
-use scene_support::{check_sentence, load_files};
 use std::{collections::HashMap, fmt::Write};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";

@@ -1,7 +1,6 @@
 //! The method `auto`: however path space is shared out, the image is the same.
 
-mod proof_support;
-
+use crate::support::*;
 use glam::DVec3;
 use mlt_core::engine::{Film, Outcome, Pixel, Share};
 use mlt_core::transport::{
@@ -18,7 +17,6 @@ use mlt_core::transport::{
         Stratification::{self, Count, None as Whole},
     },
 };
-use proof_support::*;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::{ControlFlow, Range};

@@ -1,13 +1,11 @@
 //! glTF files of every kind: what loads, what warns, what is refused.
 
-mod scene_support;
-
+use crate::support::{Document, f32s, load_files};
 use glam::{DVec3, Vec3};
 use mlt_core::{
     memory::Memory,
     transport::{bsdf::Bsdf, mesh::Mesh},
 };
-use scene_support::{Document, f32s, load_files};
 use serde_json::{Value, json};
 
 fn geometric_normal(mesh: &Mesh, triangle: usize) -> DVec3 {
@@ -420,7 +418,7 @@ fn files_that_are_no_scenes_are_refused() {
         ("scene.", b"", "convert"),
     ] {
         let error = load_files(&[(name, content)]).unwrap_err().to_string();
-        scene_support::check_sentence(&error);
+        crate::support::check_sentence(&error);
         assert!(error.contains(needle), "{name} {content:?}: {error}");
     }
     let deep = "[".repeat(1 << 20);
@@ -494,7 +492,7 @@ fn a_scene_takes_its_memory_from_the_budget_or_is_refused() {
         document.write(folder.path());
         let error =
             mlt_scene::open_within(folder.path().join("scene.gltf"), &Memory::of(bytes)).unwrap_err().to_string();
-        scene_support::check_sentence(&error);
+        crate::support::check_sentence(&error);
         error
     };
     let error = refusal(&crowd, 4 << 30);

@@ -1,5 +1,4 @@
 //! Scenes, replicas and comparisons for the statistical tests.
-#![allow(dead_code)]
 
 use glam::{DVec3, Vec3};
 use mlt_core::engine::{Estimator, Film, Metropolis, Mixture, Share, render};
@@ -182,11 +181,6 @@ impl Replicas {
             corners().flat_map(|(column, row)| (0..channels).map(move |c| block(x, column, row, c))).collect()
         };
         Self { images: self.images.iter().map(pooled).collect() }
-    }
-
-    pub fn mean(&self) -> Vec<f64> {
-        let n = self.images.len() as f64;
-        (0..self.images[0].len()).map(|i| self.images.iter().map(|x| x[i]).sum::<f64>() / n).collect()
     }
 
     /// Value and squared standard error of each of the image's numbers, and of their mean.

@@ -1,7 +1,6 @@
 //! Metropolis, bidirectional and path tracing agree with each other and with an independent renderer's reference.
 
-mod proof_support;
-
+use crate::support::*;
 use exr::prelude::*;
 use glam::{DVec3, Vec2};
 use mlt_core::engine::Path;
@@ -15,7 +14,6 @@ use mlt_core::transport::{
     render::{Method, film_unit},
     strata::Stratification::{Grid, None as Whole},
 };
-use proof_support::*;
 use std::ops::Range;
 
 /// A pixel is a block of 32 × 32 of the reference's.

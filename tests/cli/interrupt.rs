@@ -1,7 +1,6 @@
 //! Ctrl-C: the first is noted, the second ends the program.
 //!
 //! A handler holds for a whole process, so the test starts itself again as the program to interrupt.
-#![cfg(unix)]
 
 use std::{
     env,
@@ -45,7 +44,7 @@ fn signal(child: &Child, name: &str) {
 fn the_second_signal_ends_the_program() {
     for name in ["INT", "TERM"] {
         let mut child = Command::new(env::current_exe().expect("this test"))
-            .args(["--exact", "child", "--nocapture"])
+            .args(["--exact", "interrupt::child", "--nocapture"])
             .env(AS_CHILD, "yes")
             .stdout(Stdio::null())
             .stderr(Stdio::piped())

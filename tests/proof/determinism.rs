@@ -1,14 +1,12 @@
 //! The same bits, whoever computes them.
 
-mod proof_support;
-
+use crate::support::*;
 use mlt_core::engine::{Film, Outcome, Pixel};
 use mlt_core::transport::{
     path::View,
     render::{Counts, Method, Renderer, Settings},
     strata::Stratification::{self, Grid, None as Whole},
 };
-use proof_support::*;
 use rayon::ThreadPoolBuilder;
 use std::ops::{ControlFlow, Range};
 

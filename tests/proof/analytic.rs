@@ -1,7 +1,6 @@
 //! Scenes whose images are known.
 
-mod proof_support;
-
+use crate::support::*;
 use glam::{DVec2, DVec3, Vec3, Vec3A};
 use mlt_core::transport::{
     Rgb,
@@ -13,7 +12,6 @@ use mlt_core::transport::{
     render::{Counts, Method, Renderer},
     strata::Stratification::{Grid, None as Whole},
 };
-use proof_support::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 

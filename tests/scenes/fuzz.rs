@@ -1,14 +1,12 @@
 //! Damaged scene files: every one gives a scene or an error, none a panic, a hang or an invalid mesh.
 
-mod scene_support;
-
+use crate::support::Document;
 use mlt_core::transport::description::SceneDescription;
 use mlt_scene::SceneError;
 use rand_pcg::{
     Pcg64Mcg,
     rand_core::{Rng, SeedableRng},
 };
-use scene_support::Document;
 use std::{fs, path::Path, time::Instant};
 use tempfile::TempDir;
 
@@ -99,7 +97,7 @@ fn rich_document() -> Document {
     use serde_json::json;
     Document::new()
         .with_view(&[2, 0])
-        .with_view(&scene_support::f32s(&[0., 5., 0.]))
+        .with_view(&crate::support::f32s(&[0., 5., 0.]))
         .with(
             "/accessors/0/sparse",
             json!({ "count": 1, "indices": { "bufferView": 3, "componentType": 5123 }, "values": { "bufferView": 4 } }),

@@ -1,7 +1,6 @@
 //! Very short renders are right on average.
 
-mod proof_support;
-
+use crate::support::*;
 use mlt_core::engine::{Chain, Deposits, Estimator, Importance, Mixture, Purpose, Stratum, generator, uniform};
 use mlt_core::transport::{
     bdpt::MOST_EDGES,
@@ -14,7 +13,6 @@ use mlt_core::transport::{
     },
     stratum::LightStratum,
 };
-use proof_support::*;
 
 const SIZE: [u32; 2] = [4, 4];
 const CUT: mlt_core::transport::strata::Stratification = Grid(2, 2);

@@ -1,0 +1,13 @@
+//! The program as its users run it.
+
+mod bench;
+mod bench_browser;
+mod diff;
+#[cfg(unix)]
+mod interrupt;
+mod render;
+mod usage;
+mod verify;
+mod verify_controls;
+mod verify_gallery;
+mod verify_pool;

@@ -1,0 +1,11 @@
+//! Proofs by statistics: methods agree with integrals, with each other and with another renderer, on any number of threads.
+
+mod agreement;
+mod analytic;
+mod auto;
+mod determinism;
+mod duct;
+mod primary;
+mod startup_bias;
+mod strata;
+mod support;

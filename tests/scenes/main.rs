@@ -1,0 +1,8 @@
+//! Scene files: what they give, and how those that are wrong are refused.
+
+mod builtin;
+mod fuzz;
+mod gallery;
+mod gltf;
+mod obj;
+mod support;
