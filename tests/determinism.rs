@@ -3,11 +3,10 @@
 mod proof_support;
 
 use mlt_core::engine::{Film, Outcome, Pixel};
-use mlt_core::transport::{
-    path::View,
-    render::{Counts, Method, Renderer, Settings},
-    strata::Stratification::{self, Grid, None as Whole},
-};
+use mlt_core::transport::lights::Stratification;
+use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
+use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::scene::View;
 use proof_support::*;
 use rayon::ThreadPoolBuilder;
 use std::ops::{ControlFlow, Range};

@@ -2,10 +2,8 @@
 
 mod proof_support;
 
-use mlt_core::transport::{
-    render::{Method, Settings},
-    strata::Stratification::{Grid, None as Whole},
-};
+use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
+use mlt_core::transport::render::{Method, Settings};
 use proof_support::*;
 
 const SIZE: [u32; 2] = [4, 4];

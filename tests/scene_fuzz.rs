@@ -2,7 +2,7 @@
 
 mod scene_support;
 
-use mlt_core::transport::description::SceneDescription;
+use mlt_core::transport::scene::SceneDescription;
 use mlt_scene::SceneError;
 use rand_pcg::{
     Pcg64Mcg,

@@ -3,10 +3,9 @@
 mod scene_support;
 
 use glam::{DVec3, Vec3};
-use mlt_core::{
-    memory::Memory,
-    transport::{bsdf::Bsdf, mesh::Mesh},
-};
+use mlt_core::memory::Memory;
+use mlt_core::transport::bsdf::Bsdf;
+use mlt_core::transport::geometry::Mesh;
 use scene_support::{Document, f32s, load_files};
 use serde_json::{Value, json};
 

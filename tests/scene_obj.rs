@@ -3,7 +3,8 @@
 mod scene_support;
 
 use glam::{DVec3, Vec3};
-use mlt_core::transport::{bsdf::Bsdf, description::SceneDescription};
+use mlt_core::transport::bsdf::Bsdf;
+use mlt_core::transport::scene::SceneDescription;
 use mlt_scene::{BUILTIN, Loaded, SceneError, bounds, camera_framing, camera_look_at, open};
 use scene_support::{check_sentence, load_files};
 use std::{collections::HashMap, fmt::Write};
