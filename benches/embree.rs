@@ -7,7 +7,7 @@
 use crate::tracer::Tracer;
 use glam::Vec3;
 use libloading::{Library, Symbol};
-use mlt_core::transport::ray::Ray;
+use mlt_core::transport::geometry::Ray;
 use std::ffi::{CStr, c_int, c_void};
 use std::ptr::null_mut;
 

@@ -6,10 +6,8 @@ pub mod rays;
 pub mod stage;
 pub mod tracer;
 
-use mlt_core::transport::camera::Camera;
-use mlt_core::transport::path::View;
 use mlt_core::transport::render::{Method, Settings};
-use mlt_core::transport::scene::Scene;
+use mlt_core::transport::scene::{Camera, Scene, View};
 
 /// A built-in scene, ready to render.
 pub struct Loaded {

@@ -4,13 +4,12 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use mlt_benches::Loaded;
 use mlt_core::engine::{Chain, Generator, Mixture, Purpose, Sink, Splat, Stratum, generator};
-use mlt_core::transport::bdpt::MOST_EDGES;
-use mlt_core::transport::mutate::PathMutation;
-use mlt_core::transport::path::{LightPath, Luminance};
+use mlt_core::transport::lights::{LightStrata, Stratification};
+use mlt_core::transport::methods::MOST_EDGES;
+use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
+use mlt_core::transport::paths::{LightPath, Luminance};
 use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
 use mlt_core::transport::scene::rays_traced;
-use mlt_core::transport::strata::{LightStrata, Stratification};
-use mlt_core::transport::stratum::LightStratum;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;

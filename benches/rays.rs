@@ -4,7 +4,8 @@ use crate::contest::{median, median_ratio, take_turns};
 use crate::stage::{Eye, Stage};
 use crate::tracer::Tracer;
 use glam::{Vec2, Vec3};
-use mlt_core::transport::{accel::Accel, math, ray::Ray};
+use mlt_core::transport::accel::Accel;
+use mlt_core::transport::geometry::{Ray, math};
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 

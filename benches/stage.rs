@@ -1,7 +1,7 @@
 //! Scenes for rays: triangles, an eye and a lamp.
 
 use glam::Vec3;
-use mlt_core::transport::camera::CameraPose;
+use mlt_core::transport::scene::CameraPose;
 use std::f32::consts::{PI, TAU};
 
 /// Triangles, and where rays come from and go to.

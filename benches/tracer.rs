@@ -1,7 +1,8 @@
 //! What the benchmarks of rays compare: anything that finds hits.
 
 use glam::{Vec3, Vec3A};
-use mlt_core::transport::{accel::Accel, ray::Ray};
+use mlt_core::transport::accel::Accel;
+use mlt_core::transport::geometry::Ray;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::{BvhBuildParams, ray::Ray as ObvhsRay, ray::RayHit, triangle::Triangle};

@@ -3,20 +3,14 @@
 use glam::{DVec3, Vec3};
 use mlt_core::engine::{Chain, Mixture, Purpose, Sink, Stratum, generator};
 use mlt_core::primary::{PrimaryImportance, PrimaryMutation, PrimaryPath, PrimaryStratum, Tracer};
-use mlt_core::transport::{
-    Rgb,
-    bsdf::{Bsdf, Lambert, Mirror},
-    camera::CameraPose,
-    description::SceneDescription,
-    material::Material,
-    mesh::Mesh,
-    mutate::PathMutation,
-    path::{LightPath, Luminance, View},
-    primary::{AllConnections, Multiplexed, Part, Techniques},
-    scene::Scene,
-    strata::{LightStrata, Stratification},
-    stratum::LightStratum,
-};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::bsdf::{Bsdf, Lambert, Mirror};
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::lights::{LightStrata, Stratification};
+use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
+use mlt_core::transport::methods::primary::{AllConnections, Multiplexed, Part, Techniques};
+use mlt_core::transport::paths::{LightPath, Luminance};
+use mlt_core::transport::scene::{CameraPose, Material, Scene, SceneDescription, View};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 

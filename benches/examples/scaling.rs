@@ -8,16 +8,12 @@ use mlt_benches::Loaded;
 use mlt_core::engine::{
     Estimator, Film, MUTATIONS_A_SAMPLE, Metropolis, Mixture, batch_size, rounds_in_flight, shares_by_power,
 };
-use mlt_core::transport::bdpt::MOST_EDGES;
-use mlt_core::transport::independent::{AllPaths, Independent};
-use mlt_core::transport::mutate::PathMutation;
-use mlt_core::transport::path::Luminance;
-use mlt_core::transport::pt::PathTracer;
-use mlt_core::transport::region::LightRegion;
+use mlt_core::transport::lights::{LightRegion, LightStrata, Stratification};
+use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
+use mlt_core::transport::methods::{AllPaths, Independent, MOST_EDGES, PathTracer};
+use mlt_core::transport::paths::Luminance;
 use mlt_core::transport::render::film_unit;
 use mlt_core::transport::scene::rays_traced;
-use mlt_core::transport::strata::{LightStrata, Stratification};
-use mlt_core::transport::stratum::LightStratum;
 use std::hint::black_box;
 use std::time::Instant;
 

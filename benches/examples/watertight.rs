@@ -6,7 +6,8 @@
 
 use glam::Vec3;
 use mlt_benches::stage::{blob, cuboid};
-use mlt_core::transport::{accel::Accel, ray::Ray};
+use mlt_core::transport::accel::Accel;
+use mlt_core::transport::geometry::Ray;
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;

@@ -2,12 +2,9 @@
 
 use std::{f64::consts::PI, path::Path};
 
-use mlt_core::transport::{
-    camera::CameraPose,
-    path::View,
-    render::{Counts, Method, Renderer, Settings, luminance_and_error},
-    scene::Scene,
-};
+use mlt_core::transport::image::luminance_and_error;
+use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::scene::{CameraPose, Scene, View};
 use std::ops::ControlFlow;
 
 const LAMP: f64 = 2.0;

@@ -4,16 +4,12 @@ use crate::support::*;
 use exr::prelude::*;
 use glam::{DVec3, Vec2};
 use mlt_core::engine::Path;
-use mlt_core::transport::{
-    bdpt::{Bidirectional, MOST_EDGES},
-    independent::{AllPaths, ImageSampler, Independent},
-    kind::{Kind, LightEnd, PathEnd},
-    low_discrepancy::OwenSobol,
-    path::View,
-    region::LightRegion,
-    render::{Method, film_unit},
-    strata::Stratification::{Grid, None as Whole},
-};
+use mlt_core::transport::lights::LightRegion;
+use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
+use mlt_core::transport::methods::{AllPaths, Bidirectional, ImageSampler, Independent, MOST_EDGES, OwenSobol};
+use mlt_core::transport::paths::{Kind, LightEnd, PathEnd};
+use mlt_core::transport::render::{Method, film_unit};
+use mlt_core::transport::scene::View;
 use std::ops::Range;
 
 /// A pixel is a block of 32 × 32 of the reference's.

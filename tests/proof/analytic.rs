@@ -2,16 +2,12 @@
 
 use crate::support::*;
 use glam::{DVec2, DVec3, Vec3, Vec3A};
-use mlt_core::transport::{
-    Rgb,
-    bsdf::{Bsdf, Lambert, MetallicRoughness},
-    camera::CameraPose,
-    description::SceneDescription,
-    mesh::Mesh,
-    path::View,
-    render::{Counts, Method, Renderer},
-    strata::Stratification::{Grid, None as Whole},
-};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::bsdf::{Bsdf, Lambert, MetallicRoughness};
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
+use mlt_core::transport::render::{Counts, Method, Renderer};
+use mlt_core::transport::scene::{CameraPose, SceneDescription, View};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 

@@ -3,20 +3,16 @@
 use crate::support::*;
 use glam::DVec3;
 use mlt_core::engine::{Film, Outcome, Pixel, Share};
-use mlt_core::transport::{
-    Rgb,
-    auto::{Plan, Sampler},
-    bsdf::{Bsdf, Lambert, Mirror},
-    description::SceneDescription,
-    kind::{Kind, Kinds},
-    mesh::Mesh,
-    path::{Luminance, View},
-    render::{Counts, Method, Renderer, Settings, luminance_and_error, mean_luminance},
-    strata::{
-        LightStrata,
-        Stratification::{self, Count, None as Whole},
-    },
-};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::bsdf::{Bsdf, Lambert, Mirror};
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::image::{luminance_and_error, mean_luminance};
+use mlt_core::transport::lights::Stratification::{Count, None as Whole};
+use mlt_core::transport::lights::{LightStrata, Stratification};
+use mlt_core::transport::methods::auto::{Plan, Sampler};
+use mlt_core::transport::paths::{Kind, Kinds, Luminance};
+use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::scene::{SceneDescription, View};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::{ControlFlow, Range};

@@ -2,11 +2,10 @@
 
 use crate::support::*;
 use mlt_core::engine::{Film, Outcome, Pixel};
-use mlt_core::transport::{
-    path::View,
-    render::{Counts, Method, Renderer, Settings},
-    strata::Stratification::{self, Grid, None as Whole},
-};
+use mlt_core::transport::lights::Stratification;
+use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
+use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::scene::View;
 use rayon::ThreadPoolBuilder;
 use std::ops::{ControlFlow, Range};
 

@@ -4,19 +4,12 @@
 //! the image converges to something darker, which differs from seed to seed. Here length is a number like the others.
 
 use glam::{DVec3, Vec3};
-use mlt_core::{
-    engine::Film,
-    transport::{
-        bsdf::{Bsdf, Lambert, Mirror},
-        camera::{Camera, CameraPose},
-        description::SceneDescription,
-        material::Material,
-        mesh::Mesh,
-        path::View,
-        render::{Counts, Method, Renderer, Settings, luminance_and_error},
-        scene::Scene,
-    },
-};
+use mlt_core::engine::Film;
+use mlt_core::transport::bsdf::{Bsdf, Lambert, Mirror};
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::image::luminance_and_error;
+use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::scene::{Camera, CameraPose, Material, Scene, SceneDescription, View};
 use std::ops::ControlFlow;
 
 const MIRRORS: usize = 10;

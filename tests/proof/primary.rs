@@ -1,10 +1,8 @@
 //! Primary sample space agrees with bidirectional path tracing, in any strata and however short its renders.
 
 use crate::support::*;
-use mlt_core::transport::{
-    render::{Method, Settings},
-    strata::Stratification::{Grid, None as Whole},
-};
+use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
+use mlt_core::transport::render::{Method, Settings};
 
 const SIZE: [u32; 2] = [4, 4];
 /// Mutations a pixel and replica, and a relative error that is seen with them.

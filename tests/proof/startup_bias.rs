@@ -2,20 +2,16 @@
 
 use crate::support::*;
 use mlt_core::engine::{Chain, Deposits, Estimator, Importance, Mixture, Purpose, Stratum, generator, uniform};
-use mlt_core::transport::{
-    bdpt::MOST_EDGES,
-    mutate::PathMutation,
-    path::{LightPath, Luminance, View},
-    render::{Method, film_unit},
-    strata::{
-        LightStrata,
-        Stratification::{Grid, None as Whole},
-    },
-    stratum::LightStratum,
-};
+use mlt_core::transport::lights::LightStrata;
+use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
+use mlt_core::transport::methods::MOST_EDGES;
+use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
+use mlt_core::transport::paths::{LightPath, Luminance};
+use mlt_core::transport::render::{Method, film_unit};
+use mlt_core::transport::scene::View;
 
 const SIZE: [u32; 2] = [4, 4];
-const CUT: mlt_core::transport::strata::Stratification = Grid(2, 2);
+const CUT: mlt_core::transport::lights::Stratification = Grid(2, 2);
 /// Mutations of a pixel: a few in each stratum.
 const MUTATIONS: f64 = 4.0;
 const RENDERS: u64 = 20_000;

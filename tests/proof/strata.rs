@@ -3,18 +3,12 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use mlt_core::transport::{
-    adapt::{Adaptation, Weights},
-    camera::Camera,
-    classes::Classes,
-    importance::Target,
-    mutate::Perturbations,
-    path::View,
-    render::{Counts, Method, Renderer, Settings, luminance_and_error},
-    scene::Scene,
-    strata::Stratification,
-    stratum::Variant,
-};
+use mlt_core::transport::image::{Target, luminance_and_error};
+use mlt_core::transport::lights::Stratification;
+use mlt_core::transport::methods::metropolis::{Adaptation, Perturbations, Variant, Weights};
+use mlt_core::transport::paths::Classes;
+use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::scene::{Camera, Scene, View};
 
 const ADAPTIVE: Adaptation = Adaptation { weights: Weights::Adaptive, pilot_rounds: 4 };
 const BY_POWER: Adaptation = Adaptation { weights: Weights::Power, pilot_rounds: 4 };

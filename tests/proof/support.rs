@@ -2,21 +2,15 @@
 
 use glam::{DVec3, Vec3};
 use mlt_core::engine::{Estimator, Film, Metropolis, Mixture, Share, render};
-use mlt_core::transport::{
-    Rgb,
-    bdpt::MOST_EDGES,
-    bsdf::Bsdf,
-    camera::{Camera, CameraPose},
-    description::SceneDescription,
-    material::Material,
-    mesh::Mesh,
-    mutate::PathMutation,
-    path::{Luminance, View},
-    render::{Counts, Method, Renderer, Settings, film_unit},
-    scene::{Scene, rays_traced},
-    strata::{LightStrata, Stratification},
-    stratum::LightStratum,
-};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::bsdf::Bsdf;
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::lights::{LightStrata, Stratification};
+use mlt_core::transport::methods::MOST_EDGES;
+use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
+use mlt_core::transport::paths::Luminance;
+use mlt_core::transport::render::{Counts, Method, Renderer, Settings, film_unit};
+use mlt_core::transport::scene::{Camera, CameraPose, Material, Scene, SceneDescription, View, rays_traced};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::ops::{ControlFlow, Range};

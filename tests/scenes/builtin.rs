@@ -1,7 +1,8 @@
 //! The built-in scenes load and say what their makers meant.
 
 use glam::{DVec3, Vec3};
-use mlt_core::transport::{bsdf::Bsdf, description::SceneDescription};
+use mlt_core::transport::bsdf::Bsdf;
+use mlt_core::transport::scene::SceneDescription;
 use mlt_scene::{BUILTIN, SceneError, builtin, open};
 
 fn triangles(scene: &SceneDescription) -> usize {

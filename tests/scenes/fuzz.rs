@@ -1,7 +1,7 @@
 //! Damaged scene files: every one gives a scene or an error, none a panic, a hang or an invalid mesh.
 
 use crate::support::Document;
-use mlt_core::transport::description::SceneDescription;
+use mlt_core::transport::scene::SceneDescription;
 use mlt_scene::SceneError;
 use rand_pcg::{
     Pcg64Mcg,

@@ -2,10 +2,9 @@
 
 use crate::support::{Document, f32s, load_files};
 use glam::{DVec3, Vec3};
-use mlt_core::{
-    memory::Memory,
-    transport::{bsdf::Bsdf, mesh::Mesh},
-};
+use mlt_core::memory::Memory;
+use mlt_core::transport::bsdf::Bsdf;
+use mlt_core::transport::geometry::Mesh;
 use serde_json::{Value, json};
 
 fn geometric_normal(mesh: &Mesh, triangle: usize) -> DVec3 {

@@ -2,7 +2,8 @@
 
 use crate::support::{check_sentence, load_files};
 use glam::{DVec3, Vec3};
-use mlt_core::transport::{bsdf::Bsdf, description::SceneDescription};
+use mlt_core::transport::bsdf::Bsdf;
+use mlt_core::transport::scene::SceneDescription;
 use mlt_scene::{BUILTIN, Loaded, SceneError, bounds, camera_framing, camera_look_at, open};
 use std::{collections::HashMap, fmt::Write};
 

@@ -1,7 +1,7 @@
 //! Cameras for files that bring none.
 
 use glam::{DVec3, Vec3};
-use mlt_core::transport::{camera::CameraPose, description::SceneDescription};
+use mlt_core::transport::scene::{CameraPose, SceneDescription};
 
 /// A camera at `from` that looks at `to` with +y up; `vertical_fov` in radians.
 ///

@@ -2,7 +2,8 @@
 
 use crate::{SceneError, source::Source, text::shown};
 use glam::{DVec3, Vec3};
-use mlt_core::transport::{mesh::Mesh, scene::Scene};
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::scene::Scene;
 use std::collections::HashSet;
 
 /// How many triangles a scene has, counted before they are made.

@@ -23,7 +23,8 @@ mod source;
 mod text;
 mod winding;
 
-use mlt_core::{memory::Memory, transport::description::SceneDescription};
+use mlt_core::memory::Memory;
+use mlt_core::transport::scene::SceneDescription;
 use source::Source;
 use std::path::Path;
 

@@ -12,7 +12,10 @@
 //! * where they do not, the winding says nothing of the outside, and each opposed triangle is turned by itself.
 
 use glam::DVec3;
-use mlt_core::transport::{Rgb, bsdf::Bsdf, description::SceneDescription, material::Material, mesh::Mesh};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::bsdf::Bsdf;
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::scene::{Material, SceneDescription};
 use std::collections::HashMap;
 
 /// The share of a piece's area that must be opposed, or must not be, for its normals to agree with each other.

@@ -2,7 +2,7 @@
 
 use std::{fmt, str::FromStr};
 
-use mlt_core::transport::mutate::Perturbations;
+use mlt_core::transport::methods::metropolis::Perturbations;
 
 /// `all`, `none`, or names with commas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,7 +2,8 @@
 
 use std::{fmt, num::NonZeroUsize, str::FromStr, time::Duration};
 
-use mlt_core::transport::{classes::Classes, strata::Stratification};
+use mlt_core::transport::lights::Stratification;
+use mlt_core::transport::paths::Classes;
 
 use crate::output::MAX_SIDE;
 

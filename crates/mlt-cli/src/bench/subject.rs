@@ -3,10 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use mlt_core::{
-    measure::{Measures, REL_MSE_EPSILON},
-    transport::luminance,
-};
+use mlt_core::measure::{Measures, REL_MSE_EPSILON};
+use mlt_core::transport::luminance;
 
 use super::{
     Budget, Variant,

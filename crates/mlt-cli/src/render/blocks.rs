@@ -1,9 +1,7 @@
 //! How well the rounds of a render agree, block by block of the image.
 
-use mlt_core::{
-    engine::Film,
-    transport::{Rgb, luminance},
-};
+use mlt_core::engine::Film;
+use mlt_core::transport::{Rgb, luminance};
 use rayon::prelude::*;
 
 use crate::report::Agreement;

@@ -1,6 +1,7 @@
 //! The image files of a render.
 
-use mlt_core::{engine::Film, transport::render::standard_errors};
+use mlt_core::engine::Film;
+use mlt_core::transport::image::standard_errors;
 use rayon::prelude::*;
 
 use super::{Plan, Setup, session::Finished};

@@ -1,9 +1,7 @@
 //! What a render left out, with figures and places.
 
-use mlt_core::{
-    engine::{Film, StratumStats},
-    transport::render::Counts,
-};
+use mlt_core::engine::{Film, StratumStats};
+use mlt_core::transport::render::Counts;
 
 /// Places that a warning names.
 const NAMED: usize = 4;

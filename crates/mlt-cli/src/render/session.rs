@@ -5,13 +5,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use mlt_core::{
-    engine::{self, Film, Outcome},
-    transport::{
-        path::View,
-        render::{Counts, Renderer, relative_error},
-    },
-};
+use mlt_core::engine::{self, Film, Outcome};
+use mlt_core::transport::image::relative_error;
+use mlt_core::transport::render::{Counts, Renderer};
+use mlt_core::transport::scene::View;
 
 use super::{
     Plan, Setup, Trust,

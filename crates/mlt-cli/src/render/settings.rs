@@ -1,12 +1,9 @@
 //! From options to settings of the library.
 
-use mlt_core::transport::{
-    adapt::{Adaptation, Weights},
-    importance::Target,
-    render::{Method, Settings},
-    strata::Stratification,
-    stratum::Variant,
-};
+use mlt_core::transport::image::Target;
+use mlt_core::transport::lights::Stratification;
+use mlt_core::transport::methods::metropolis::{Adaptation, Variant, Weights};
+use mlt_core::transport::render::{Method, Settings};
 
 use crate::args::render::{self, RenderOptions};
 

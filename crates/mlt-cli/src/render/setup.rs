@@ -2,14 +2,8 @@
 
 use anyhow::{Context, anyhow};
 use glam::DVec3;
-use mlt_core::{
-    memory::Memory,
-    transport::{
-        camera::{Camera, CameraPose},
-        description::SceneDescription,
-        scene::{Scene, SceneError, SurfaceName},
-    },
-};
+use mlt_core::memory::Memory;
+use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, SceneError, SurfaceName};
 use mlt_scene::{Loaded, printable};
 
 use crate::{Failure, args::render::RenderOptions, memory, take_memory, warn_all};

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use mlt_core::{
-    engine::{Film, MutationStats, Pixel, StratumStats},
-    transport::render::{Counts, mean_luminance, relative_error},
-};
+use mlt_core::engine::{Film, MutationStats, Pixel, StratumStats};
+use mlt_core::transport::image::{mean_luminance, relative_error};
+use mlt_core::transport::render::Counts;
 
 use super::{Setup, Trust, losses::losses, plan::TRUSTED_ROUNDS};
 use crate::{

@@ -1,9 +1,8 @@
 //! Signs that an image's error bars say too little: light that few samples or few rounds have met.
 
-use mlt_core::{
-    engine::{Film, StratumStats},
-    transport::render::{Counts, luminance_and_error, mean_luminance},
-};
+use mlt_core::engine::{Film, StratumStats};
+use mlt_core::transport::image::{luminance_and_error, mean_luminance};
+use mlt_core::transport::render::Counts;
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use mlt_core::transport::auto::{PartSummary, Sampler, Summary};
+use mlt_core::transport::methods::auto::{PartSummary, Sampler, Summary};
 use serde::Serialize;
 
 /// How path space is shared out between independent samples and chains.

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
-use mlt_core::transport::auto::{TIME_OF_A_BIDIRECTIONAL_RAY, TIME_OF_A_CHAINS_RAY};
+use mlt_core::transport::methods::auto::{TIME_OF_A_BIDIRECTIONAL_RAY, TIME_OF_A_CHAINS_RAY};
 use mlt_scene::gallery::find;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -64,7 +64,7 @@ pub fn rel_mse(a: impl Iterator<Item = f64>, b: &[f64], level: f64) -> f64 {
 
 /// Share of the intervals b ± 1.96·√(stderr² + truth's variance) that hold a, over the pixels that are lit. Errors are those of
 /// several pixels together, so that few rounds do not make them uncertain: see
-/// [`standard_errors`](mlt_core::transport::render::standard_errors).
+/// [`standard_errors`](mlt_core::transport::image::standard_errors).
 fn coverage(evidence: &Evidence, truth: &[(f64, f64)], level: f64) -> Option<f64> {
     let (mut held, mut all) = (0u64, 0u64);
     for replica in &evidence.method {

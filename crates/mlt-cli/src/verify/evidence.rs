@@ -1,9 +1,7 @@
 //! What a verdict rests on: independent replicas of a method and of a reference.
 
-use mlt_core::{
-    engine::HalfChains,
-    transport::{Rgb, luminance},
-};
+use mlt_core::engine::HalfChains;
+use mlt_core::transport::{Rgb, luminance};
 
 use crate::{
     image::Image,

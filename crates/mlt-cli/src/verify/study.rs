@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use mlt_core::transport::{Rgb, description::SceneDescription};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::scene::SceneDescription;
 use rayon::prelude::*;
 
 use super::{

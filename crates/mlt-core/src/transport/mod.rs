@@ -1,55 +1,33 @@
 //! The renderer: scenes of triangles, bidirectional path tracing, path-space mutations.
+//!
+//! # Rooms
+//!
+//! Each depends on those below it alone.
+//!
+//! | room | what it holds |
+//! |---|---|
+//! | [`render`] | A whole render: a method and what it counts. |
+//! | [`methods`] | How light transport is computed: path tracing, bidirectional path tracing, Metropolis, and what chooses between them. |
+//! | [`image`] | Arrays over pixels: errors, weights, the importance of a pixel. |
+//! | [`paths`] | Light paths, their vertices, the densities of every way of making them, their classes. |
+//! | [`lights`] | Parts of the lights: regions, cuts, strata, and the sampler that chooses a light for a vertex. |
+//! | [`scene`] | Surfaces, materials, lights and cameras. |
+//! | [`bsdf`] | Scattering functions. |
+//! | [`accel`] | What a ray meets first. |
+//! | [`geometry`] | Vertices, rays, meshes. |
+//! | [`colour`] | Radiance and reflectance. |
 
 pub mod accel;
-pub mod adapt;
-pub mod auto;
-pub mod bdpt;
-mod blur;
 pub mod bsdf;
-pub mod camera;
-pub mod classes;
-mod connect;
-pub mod description;
-mod edge;
-mod hilbert;
-pub mod importance;
-pub mod independent;
-pub mod kind;
-pub mod light;
-pub mod light_tree;
+pub mod colour;
+pub mod geometry;
+pub mod image;
 pub mod lights;
-pub mod low_discrepancy;
-pub mod material;
-pub mod math;
-pub mod mesh;
-mod mis;
-pub mod mutate;
-pub mod next_event;
-pub mod path;
-pub mod primary;
-mod primitive;
-pub mod pt;
-pub mod ray;
-pub mod region;
+pub mod methods;
+pub mod paths;
 pub mod render;
 pub mod scene;
-mod space;
-pub mod strata;
-pub mod stratum;
-mod subpath;
-mod surface;
-#[cfg(test)]
-mod testing;
 #[cfg(test)]
 mod tests;
-mod ties;
-pub mod vertex;
 
-/// Linear Rec. 709 colour: radiance in W·sr⁻¹·m⁻², or a dimensionless reflectance.
-pub type Rgb = glam::Vec3;
-
-/// Luminance of a linear Rec. 709 colour (ITU-R BT.709).
-#[inline]
-pub fn luminance(c: Rgb) -> f32 {
-    c.dot(Rgb::new(0.2126, 0.7152, 0.0722))
-}
+pub use colour::{Rgb, luminance};

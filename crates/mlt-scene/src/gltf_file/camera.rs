@@ -4,7 +4,7 @@ use super::graph::{Placed, place};
 use crate::text;
 use glam::{DMat4, DVec3};
 use gltf::{Camera, Node, camera::Projection};
-use mlt_core::transport::camera::CameraPose;
+use mlt_core::transport::scene::CameraPose;
 use std::f32::consts::PI;
 
 /// The cameras of the scene that is shown, and behind them those of the file outside of it.

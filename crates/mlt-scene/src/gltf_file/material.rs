@@ -3,7 +3,9 @@
 use super::unsupported;
 use crate::{range::Range, text::shown};
 use gltf::Document;
-use mlt_core::transport::{Rgb, bsdf::MetallicRoughness, material::Material};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::bsdf::MetallicRoughness;
+use mlt_core::transport::scene::Material;
 use std::collections::BTreeSet;
 
 /// Every material of the document, and glTF's default one behind them if it is used; only used ones give warnings.

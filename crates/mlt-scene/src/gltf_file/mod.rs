@@ -16,7 +16,8 @@ use crate::{Loaded, SceneError, geometry::GeometrySize, source::Source};
 use accessor::Reader;
 use buffer::Buffers;
 use graph::{Graph, Placed};
-use mlt_core::transport::{description::SceneDescription, mesh::Mesh};
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::scene::SceneDescription;
 use parse::Parsed;
 use std::collections::BTreeSet;
 

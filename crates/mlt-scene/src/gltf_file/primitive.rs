@@ -8,7 +8,7 @@ use super::{
 use crate::{SceneError, geometry::RawMesh};
 use glam::{DMat3, DMat4, DVec3};
 use gltf::{Accessor, Node, Primitive, Semantic, mesh::Mode};
-use mlt_core::transport::mesh::Mesh;
+use mlt_core::transport::geometry::Mesh;
 
 /// The primitive in world space; `None`: it has no triangles.
 pub(super) fn mesh(

@@ -1,7 +1,9 @@
 //! MTL's materials.
 
 use crate::range::Range;
-use mlt_core::transport::{Rgb, bsdf::MetallicRoughness, material::Material};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::bsdf::MetallicRoughness;
+use mlt_core::transport::scene::Material;
 
 /// Reflectance of the surface that stands in for a missing material.
 const GREY: Rgb = Rgb::splat(0.5);

@@ -13,7 +13,9 @@ use crate::{
 };
 use glam::{DVec3, Vec3};
 use library::Library;
-use mlt_core::transport::{Rgb, description::SceneDescription, mesh::Mesh};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::scene::SceneDescription;
 use std::{io::Read, path::Path};
 use text::{Numbered, Reduced};
 

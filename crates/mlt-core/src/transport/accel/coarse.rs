@@ -5,8 +5,8 @@
 //! smallest ones that this would show, t is computed in f64, from the triangle's plane; the test still says which triangles the
 //! ray passes through, so that it stays watertight.
 
-use super::super::ray::Ray;
 use super::wide::TriangleBlock;
+use crate::transport::geometry::Ray;
 use glam::Vec3;
 
 /// How many times larger than the smallest triangle a triangle is whose t has an error that may show: 1/250 of the former's

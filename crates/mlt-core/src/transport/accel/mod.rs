@@ -28,8 +28,8 @@ mod tests;
 
 pub use coarse::{COARSE, coarse_size, size};
 
-use super::ray::{Hit, Ray};
 use crate::instructions::InstructionSet;
+use crate::transport::geometry::{Hit, Ray};
 use glam::Vec3;
 use wide::WideTree;
 

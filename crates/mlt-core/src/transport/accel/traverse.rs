@@ -15,12 +15,12 @@
 //! most walks are). Indices are checked: measured, that costs less than one per cent.
 #![allow(unsafe_code)]
 
-use super::super::ray::{Hit, Ray};
 use super::binary::MAX_COORDINATE;
 use super::simd::{KEY_LANE, Simd, splat3};
 use super::watertight::{Nearest, Shear};
 use super::wide::{Child, Node, WideTree};
 use crate::instructions::{InstructionSet, Portable};
+use crate::transport::geometry::{Hit, Ray};
 use glam::Vec3A;
 use std::mem::MaybeUninit;
 

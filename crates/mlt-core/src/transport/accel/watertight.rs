@@ -6,10 +6,10 @@
 //! the areas are not fused: fl(fl(ab) − fl(cd)) never has the wrong sign, fl(ab − fl(cd)) may. An area of
 //! zero counts as inside for both triangles, which replaces the paper's second test in double precision.
 
-use super::super::ray::{Hit, Ray};
 use super::coarse;
 use super::simd::{Lanes, Simd, splat3};
 use super::wide::TriangleBlock;
+use crate::transport::geometry::{Hit, Ray};
 use glam::{DVec2, Vec3A};
 
 /// The map that takes the ray to the positive z axis: permute, move, shear.

@@ -11,7 +11,8 @@
 //! Source: Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
 
 use super::albedo_table::{BENT, COLUMNS, LACKING, ROWS};
-use super::microfacet::{self, Ggx};
+use super::microfacet;
+use super::microfacet::Ggx;
 use glam::Vec3A;
 
 /// x(μ).
@@ -158,8 +159,8 @@ impl Curve {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fresnel::reflect;
     use super::*;
+    use crate::transport::bsdf::fresnel::reflect;
 
     /// E and B by quadrature.
     fn albedo(ggx: Ggx, cos: f32) -> [f32; 2] {

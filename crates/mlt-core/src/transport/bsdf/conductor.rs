@@ -1,11 +1,11 @@
 //! Rough metal, and the coat of a glossy surface.
 
-use super::super::Rgb;
 use super::Evaluation;
 use super::albedo::{Albedo, Lacking};
 use super::fresnel::{schlick, schlick_average};
 use super::microfacet::{GRAZING, Ggx};
 use super::spread::Spread;
+use crate::transport::colour::Rgb;
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
 

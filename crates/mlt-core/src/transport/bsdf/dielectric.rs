@@ -1,7 +1,7 @@
 //! Smooth interface between two transparent media.
 
-use super::super::Rgb;
 use super::fresnel::{dielectric, reflect, refract};
+use crate::transport::colour::Rgb;
 use glam::Vec3A;
 
 /// Reflects F and refracts 1 - F, with the exact Fresnel term; delta.

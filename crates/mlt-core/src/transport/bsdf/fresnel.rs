@@ -1,6 +1,6 @@
 //! Fresnel reflectance, and the two directions that go with it.
 
-use super::super::Rgb;
+use crate::transport::colour::Rgb;
 use glam::Vec3A;
 
 /// Share of unpolarised light that a smooth interface reflects.

@@ -1,7 +1,7 @@
 //! Dielectric coat over a diffuse base.
 
-use super::super::Rgb;
 use super::{Conductor, Evaluation, Lambert, choose};
+use crate::transport::colour::Rgb;
 use glam::{Vec2, Vec3A};
 use std::f32::consts::FRAC_1_PI;
 

@@ -1,7 +1,8 @@
 //! Ideal diffuse reflection.
 
-use super::super::{Rgb, math::cosine_hemisphere};
 use super::Evaluation;
+use crate::transport::colour::Rgb;
+use crate::transport::geometry::math::cosine_hemisphere;
 use glam::{Vec2, Vec3A};
 use std::f32::consts::FRAC_1_PI;
 

@@ -1,8 +1,8 @@
 //! glTF's metallic-roughness parameters, and the simplest BSDF for them.
 
-use super::super::Rgb;
 use super::microfacet::Ggx;
 use super::{Bsdf, Conductor, Dielectric, Glossy, Lambert, Mirror, Mix, RoughDielectric, RoughThin, Thin};
+use crate::transport::colour::Rgb;
 
 /// α below this is perfectly smooth: rounding of directions in f32, 10⁻⁷, no longer resolves the lobe.
 pub const SMOOTH_ALPHA: f32 = 1e-6;

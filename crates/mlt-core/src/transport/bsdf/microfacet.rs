@@ -12,8 +12,8 @@
 //! Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 2014. Light that meets the surface more than once:
 //! `albedo`.
 
-use super::super::math::frame;
 use super::fresnel::reflect;
+use crate::transport::geometry::math::frame;
 use glam::Vec3A;
 use std::f32::consts::{FRAC_1_PI, TAU};
 

@@ -1,7 +1,7 @@
 //! Perfect mirror.
 
-use super::super::Rgb;
 use super::fresnel::{reflect, schlick};
+use crate::transport::colour::Rgb;
 use glam::Vec3A;
 
 /// Reflects F = F₀ + (1 - F₀)(1 - cosθ)⁵ into the mirrored direction, on either side; delta.

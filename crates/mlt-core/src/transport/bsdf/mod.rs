@@ -33,7 +33,7 @@ mod spread;
 mod tests;
 mod thin;
 
-use super::Rgb;
+use crate::transport::colour::Rgb;
 use glam::{Vec2, Vec3A};
 
 pub use conductor::Conductor;

@@ -1,12 +1,12 @@
 //! Rough interface between two transparent media.
 
-use super::super::Rgb;
 use super::albedo::{Curve, at_cosine, cosine_average};
 use super::fresnel::dielectric;
 use super::microfacet::{GRAZING, Ggx};
 use super::rough_interface::RoughInterface;
 use super::spread::Spread;
 use super::{Evaluation, choose};
+use crate::transport::colour::Rgb;
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
 

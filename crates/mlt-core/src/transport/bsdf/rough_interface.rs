@@ -1,10 +1,10 @@
 //! Rough interface between two transparent media, met once.
 
-use super::super::Rgb;
 use super::Evaluation;
 use super::albedo::visible_average;
 use super::fresnel::{dielectric, reflect, refract};
 use super::microfacet::{GRAZING, Ggx};
+use crate::transport::colour::Rgb;
 use glam::Vec3A;
 
 /// GGX microfacets that reflect F and refract 1 - F of what they meet.

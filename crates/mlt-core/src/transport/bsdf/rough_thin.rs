@@ -1,12 +1,12 @@
 //! Thin transparent wall with a rough surface.
 
-use super::super::Rgb;
 use super::albedo::{Albedo, cosine_average};
 use super::fresnel::reflect;
 use super::microfacet::{GRAZING, Ggx};
 use super::spread::Spread;
 use super::thin::slab_reflectance;
 use super::{Evaluation, choose};
+use crate::transport::colour::Rgb;
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
 

@@ -1,7 +1,7 @@
 //! Directions about as light leaves that microfacets scatter more than once.
 
-use super::super::math::frame;
 use super::microfacet::Ggx;
+use crate::transport::geometry::math::frame;
 use glam::Vec3A;
 use std::f32::consts::{FRAC_1_PI, TAU};
 

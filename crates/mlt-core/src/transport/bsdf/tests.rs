@@ -1,7 +1,7 @@
 //! What every [`Bsdf`] keeps: densities, reciprocity, energy, finite numbers.
 
-use super::super::Rgb;
 use super::*;
+use crate::transport::colour::Rgb;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
@@ -24,7 +24,7 @@ fn direction(n: Vec3A, cos: f32) -> Vec3A {
 }
 
 fn spherical(n: Vec3A, cos: f64, azimuth: f64) -> Vec3A {
-    let (s, t) = super::super::math::frame(n);
+    let (s, t) = crate::transport::geometry::math::frame(n);
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
     let (s, t, n) = (s.as_dvec3(), t.as_dvec3(), n.as_dvec3());
     (sin * azimuth.cos() * s + sin * azimuth.sin() * t + cos * n).as_vec3a()
@@ -249,7 +249,7 @@ mod rough {
     }
 
     fn cell(n: Vec3A, d: Vec3A) -> usize {
-        let (s, t) = super::super::super::math::frame(n);
+        let (s, t) = crate::transport::geometry::math::frame(n);
         let (x, y, z) = (d.dot(s) as f64, d.dot(t) as f64, d.dot(n) as f64);
         let row = (x.hypot(y).atan2(z) / PI * ROWS as f64) as usize;
         let column = (y.atan2(x).rem_euclid(TAU) / TAU * COLUMNS as f64) as usize;

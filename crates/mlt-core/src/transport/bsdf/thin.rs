@@ -1,7 +1,7 @@
 //! Thin transparent wall: two parallel interfaces so close that light is not displaced.
 
-use super::super::Rgb;
 use super::fresnel::{dielectric, reflect};
+use crate::transport::colour::Rgb;
 use glam::Vec3A;
 
 /// Share that a wall reflects, over all reflections between its two faces.

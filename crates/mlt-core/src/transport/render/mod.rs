@@ -1,41 +1,30 @@
 //! A whole render: a method, its settings, and what it counted.
 
-mod bootstrap;
-mod counts;
-mod error;
+mod film_unit;
 mod planned;
-mod range;
-mod settings;
 
-use super::adapt::{Adaptation, Adapted, Pilot, Weights, error_weights};
-use super::auto::{self, Plan, Summary};
-use super::bdpt::{Bidirectional, MOST_EDGES};
-use super::importance::{PixelImportance, Target};
-use super::independent::{AllPaths, ImageSampler, Independent, SampleTally};
-use super::mutate::PathMutation;
-use super::path::{LightPath, View};
-use super::primary::{AllConnections, Multiplexed, Part, Techniques};
-use super::pt::PathTracer;
-use super::region::LightRegion;
-use super::scene::rays_traced;
-use super::strata::{LightStrata, Stratification};
-use super::stratum::{LightStratum, Variant};
 use crate::engine::{
     self, Estimator, Film, Importance, MUTATIONS_A_SAMPLE, Metropolis, Mixture, Mutation, Outcome, Path, Progress,
     Share, Splat, Stratum, Tally, shares_by_power,
 };
 use crate::primary::{PrimaryImportance, PrimaryMutation, PrimaryStratum};
+use crate::transport::image::{PixelImportance, Target, error_weights, luminance_and_error};
+use crate::transport::lights::{LightRegion, LightStrata, Stratification};
+use crate::transport::methods::auto::{Plan, Summary};
+use crate::transport::methods::counts::PilotCounts;
+use crate::transport::methods::metropolis::adapt::{Adapted, Pilot};
+use crate::transport::methods::metropolis::{Adaptation, LightStratum, PathMutation, Variant, Weights};
+use crate::transport::methods::primary::{AllConnections, Multiplexed, Part, Techniques};
+use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample};
+use crate::transport::methods::{
+    AllPaths, Bidirectional, ImageSampler, Independent, MOST_EDGES, PathTracer, SampleTally, auto,
+};
+use crate::transport::paths::LightPath;
+use crate::transport::scene::{View, rays_traced};
 use std::ops::{ControlFlow, Range};
 
-use bootstrap::{Samples, fitted_shares};
-
-pub(super) use bootstrap::mutations_a_sample;
-pub(super) use counts::PilotCounts;
-
-pub use counts::Counts;
-pub use error::{luminance_and_error, mean_luminance, relative_error, standard_errors};
-pub use range::film_unit;
-pub use settings::{Method, Settings};
+pub use crate::transport::methods::{Counts, Method, Settings};
+pub use film_unit::film_unit;
 
 /// Called with the state of a render; it breaks to stop it.
 pub type Observer<'a> = dyn FnMut(Progress, &Film<3>) -> ControlFlow<()> + 'a;

@@ -1,14 +1,11 @@
-//! Renders as a plan of [`auto`](mod@super::super::auto) says.
+//! Renders as a plan of [`auto`](mod@crate::transport::methods::auto) says.
 
-use super::super::auto::{Plan, Sampler, SomePaths};
-use super::super::bdpt::Bidirectional;
-use super::super::independent::{AllPaths, ImageSampler, Independent, SampleTally};
-use super::super::mutate::PathMutation;
-use super::super::path::LightPath;
-use super::super::pt::PathTracer;
-use super::super::stratum::LightStratum;
 use super::{Renderer, Run, independent, repeat};
 use crate::engine::{Importance, Mixture, Mutation, Outcome, Sum, SumTally, Tally};
+use crate::transport::methods::auto::{Plan, Sampler, SomePaths};
+use crate::transport::methods::metropolis::{LightStratum, PathMutation};
+use crate::transport::methods::{AllPaths, Bidirectional, ImageSampler, Independent, PathTracer, SampleTally};
+use crate::transport::paths::LightPath;
 
 impl<I: Importance<LightPath> + Sync> Renderer<'_, I> {
     /// Renders as a plan says.

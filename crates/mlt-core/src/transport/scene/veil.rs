@@ -7,8 +7,9 @@
 //! stops at each surface with probability α comes to y with density p_ω |cosθ| τ / d² per A′, so τ cancels in f/p; and a light
 //! of area A has the area α A. docs/theory.md, "Opacity".
 
-use super::{RAYS, Ray, Scene, Vertex};
+use super::{RAYS, Scene};
 use crate::engine::uniform_f32;
+use crate::transport::geometry::{Ray, Vertex};
 use glam::Vec3A;
 use rand_pcg::rand_core::Rng;
 
@@ -28,12 +29,7 @@ impl Scene {
 
     /// The same from a point that is on no surface.
     #[inline(always)]
-    pub(in super::super) fn follow_ray(
-        &self,
-        origin: Vec3A,
-        direction: Vec3A,
-        rng: &mut impl Rng,
-    ) -> Option<(Vertex, f32)> {
+    pub(crate) fn follow_ray(&self, origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
         let first = self.trace_ray(origin, direction)?;
         if self.is_veiled { self.pass(first, direction, rng) } else { Some((first, 1.0)) }
     }

@@ -4,13 +4,11 @@
 //! has E[b̂ g(x)] = ∫ I g. After one proposal y with acceptance a, detailed balance says that as much flows from any set
 //! of states A to any other B as from B to A: E[b̂ a (1_A(x) 1_B(y) − 1_B(x) 1_A(y))] = 0.
 
-use super::super::classes::Classes;
-use super::super::path::{LightPath, Luminance};
-use super::super::region::LightRegion;
-use super::super::strata::{LightStrata, Stratification};
-use super::super::stratum::LightStratum;
-use super::super::testing::World;
+use super::worlds::World;
 use crate::engine::{Generator, Importance, Purpose, Stratum, generator, uniform};
+use crate::transport::lights::{LightRegion, LightStrata, Stratification};
+use crate::transport::methods::metropolis::LightStratum;
+use crate::transport::paths::{Classes, LightPath, Luminance};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::HashMap;

@@ -1,9 +1,9 @@
 //! The camera's maps and densities.
 
-use super::super::testing::{lambert, room};
+use super::worlds::{lambert, room};
 use crate::engine::{Purpose, generator, uniform_f32};
-use crate::transport::Rgb;
-use crate::transport::math::cosine_hemisphere;
+use crate::transport::colour::Rgb;
+use crate::transport::geometry::math::cosine_hemisphere;
 use glam::Vec2;
 use std::f64::consts::PI;
 

@@ -6,3 +6,4 @@ pub(crate) mod paths;
 mod strata;
 mod veils;
 mod visibility;
+pub(crate) mod worlds;

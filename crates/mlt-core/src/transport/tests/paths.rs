@@ -1,16 +1,15 @@
 //! Weights of techniques, and the values that a path carries.
 
-use super::super::Rgb;
-use super::super::bdpt::Bidirectional;
-use super::super::edge::Edge;
-use super::super::mis::{self, Ends};
-use super::super::path::{LightPath, PathVertex, set_edge};
-use super::super::region::LightRegion;
-use super::super::scene::Scene;
-use super::super::strata::{LightStrata, Stratification};
-use super::super::testing::{World, glass, quad, walls, worlds};
-use super::super::vertex::Vertex;
+use super::worlds::{World, glass, quad, walls, worlds};
 use crate::engine::{Purpose, generator, uniform, uniform_f32};
+use crate::transport::colour::Rgb;
+use crate::transport::geometry::Vertex;
+use crate::transport::lights::{LightRegion, LightStrata, Stratification};
+use crate::transport::methods::Bidirectional;
+use crate::transport::paths::mis::Ends;
+use crate::transport::paths::path_vertex::set_edge;
+use crate::transport::paths::{Edge, LightPath, PathVertex, mis};
+use crate::transport::scene::Scene;
 use glam::{DVec3, Vec2, Vec3A};
 use std::collections::BTreeMap;
 

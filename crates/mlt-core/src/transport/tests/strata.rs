@@ -1,13 +1,11 @@
 //! Lights, their parts, and the way from a point to its part.
 
-use super::super::light::Shape;
-use super::super::region::{Cell, LightRegion};
-use super::super::scene::Scene;
-use super::super::strata::{LightStrata, Stratification};
-use super::super::testing::{Builder, World, ball, lambert, quad, two_lights};
+use super::worlds::{Builder, World, ball, lambert, quad, two_lights};
 use crate::engine::{Purpose, generator, uniform};
-use crate::transport::Rgb;
-use crate::transport::mesh::Mesh;
+use crate::transport::colour::Rgb;
+use crate::transport::geometry::Mesh;
+use crate::transport::lights::{Cell, LightRegion, LightStrata, Stratification};
+use crate::transport::scene::{Scene, Shape};
 use glam::{DVec2, DVec3};
 
 const CUTS: [Stratification; 4] =

@@ -1,14 +1,12 @@
 //! Surfaces that are not opaque.
 
-use super::super::classes::Classes;
-use super::super::mutate::PathMutation;
-use super::super::path::{LightPath, Luminance, PathVertex};
-use super::super::strata::{LightStrata, Stratification};
-use super::super::stratum::LightStratum;
-use super::super::testing::{curtain, lambert, veil, veils, walls};
 use super::balance::{Imbalance, imbalance};
+use super::worlds::{curtain, lambert, veil, veils, walls};
 use crate::engine::{Importance, Mutation, Purpose, Stratum, generator, uniform_f32};
-use crate::transport::Rgb;
+use crate::transport::colour::Rgb;
+use crate::transport::lights::{LightStrata, Stratification};
+use crate::transport::methods::metropolis::{LightStratum, PathMutation};
+use crate::transport::paths::{Classes, LightPath, Luminance, PathVertex};
 use glam::DVec3;
 
 /// τ of an edge, from what the path carries.

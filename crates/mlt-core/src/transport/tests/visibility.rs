@@ -1,12 +1,13 @@
 //! Rays between surfaces of very different sizes, and from a camera that lies on a surface.
 
-use super::super::testing::{Builder, World, lambert, quad};
+use super::worlds::{Builder, World, lambert, quad};
 use crate::engine::{Purpose, generator, uniform, uniform_f32};
-use crate::transport::{Rgb, region::LightRegion};
+use crate::transport::colour::Rgb;
+use crate::transport::lights::LightRegion;
 use glam::{DVec3, Vec2};
 
 /// A horizontal square of half-width `half` at `height`, its front up or down.
-fn square(height: f64, half: f64, up: bool) -> crate::transport::mesh::Mesh {
+fn square(height: f64, half: f64, up: bool) -> crate::transport::geometry::Mesh {
     let x = if up { half } else { -half };
     let v = |x: f64, z: f64| DVec3::new(x, height, z);
     quad([v(-x, half), v(x, half), v(x, -half), v(-x, -half)])

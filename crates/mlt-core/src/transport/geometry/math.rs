@@ -1,0 +1,110 @@
+//! Small geometry: frames and maps from the unit square.
+
+use glam::{Vec2, Vec3A, Vec4};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// Two unit vectors that complete the unit vector `n` to a right-handed frame (s, t, n).
+///
+/// Source: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017.
+#[inline(always)]
+pub fn frame(n: Vec3A) -> (Vec3A, Vec3A) {
+    let sign = 1f32.copysign(n.z);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    (Vec3A::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3A::new(b, sign + n.y * n.y * a, -n.y))
+}
+
+/// Maps the unit square onto the unit disk, preserving relative area; returns the point and its distance from the centre, squared,
+/// which is known first.
+///
+/// Source: Shirley & Chiu, "A Low Distortion Map Between Disk and Square", 1997.
+#[inline(always)]
+pub fn square_to_disk(u: Vec2) -> (Vec2, f32) {
+    let Vec2 { x, y } = 2.0 * u - Vec2::ONE;
+    // In vectors, where a choice is no branch: which way it goes is chance.
+    let [x_square, y_square] = [x * x, y * y].map(Vec4::splat);
+    let square = x_square.max(y_square).x;
+    // The lesser over the greater.
+    let ratio = x * y / (square + f32::MIN_POSITIVE);
+    let Vec2 { x: cos, y: sin } = eighth_turn(FRAC_PI_4 * ratio);
+    let [flat, steep] = [Vec4::new(cos, sin, 0.0, 0.0) * x, Vec4::new(sin, cos, 0.0, 0.0) * y];
+    let point = Vec4::select(y_square.cmpgt(x_square), steep, flat);
+    (Vec2::new(point.x, point.y), square)
+}
+
+/// (cos φ, sin φ) for |φ| ≤ π/4, to 3·10⁻⁷, by their series: the same bits on every machine, and no call. Halves of the
+/// sums do not wait for each other (Estrin's scheme).
+#[inline(always)]
+pub(crate) fn eighth_turn(angle: f32) -> Vec2 {
+    const COS: [f32; 3] = [1.0 / 24.0, 1.0 / 720.0, 1.0 / 40320.0];
+    const SIN: [f32; 4] = [1.0 / 6.0, 1.0 / 120.0, 1.0 / 5040.0, 1.0 / 362_880.0];
+    let x2 = angle * angle;
+    let x4 = x2 * x2;
+    let cos = (1.0 - 0.5 * x2) + x4 * ((COS[0] - COS[1] * x2) + COS[2] * x4);
+    let sin = angle * ((1.0 - SIN[0] * x2) + x4 * ((SIN[1] - SIN[2] * x2) + SIN[3] * x4));
+    Vec2::new(cos, sin)
+}
+
+/// (cos, sin) of no quarter, one, two and three.
+const QUARTER_TURNS: [Vec2; 4] = [Vec2::X, Vec2::Y, Vec2::NEG_X, Vec2::NEG_Y];
+
+/// A point on the unit circle, uniformly for uniform `bits`: the first two choose a quarter, the others an angle in it.
+#[inline(always)]
+pub(crate) fn on_circle(bits: u32) -> Vec2 {
+    let in_quarter = f32::from_bits(1f32.to_bits() | bits << 2 >> 9) - 1.5;
+    // A product instead of a branch: which way it goes is chance.
+    eighth_turn(FRAC_PI_2 * in_quarter).rotate(QUARTER_TURNS[(bits >> 30) as usize])
+}
+
+/// A direction about the unit vector `n` with density cosθ/π, sr⁻¹.
+#[inline(always)]
+pub fn cosine_hemisphere(n: Vec3A, u: Vec2) -> Vec3A {
+    let (d, square) = square_to_disk(u);
+    let z = (1.0 - square).sqrt();
+    let (s, t) = frame(n);
+    d.x * s + d.y * t + z * n
+}
+
+/// `a`·`b` of the vectors, absolute.
+#[inline]
+pub fn abs_dot(a: Vec3A, b: Vec3A) -> f32 {
+    a.dot(b).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_eighth_turn_is_a_turn() {
+        for i in -100..=100 {
+            let angle = FRAC_PI_4 * i as f32 / 100.0;
+            let expected = Vec2::new(f64::from(angle).cos() as f32, f64::from(angle).sin() as f32);
+            assert!(eighth_turn(angle).distance(expected) < 3e-7, "{angle}");
+        }
+    }
+
+    #[test]
+    fn the_circle_is_covered_evenly() {
+        let mut turns: Vec<_> = (0..1000).map(|i| on_circle((f64::from(i) * 4_294_967.296) as u32)).collect();
+        assert!(turns.iter().all(|p| (p.length() - 1.0).abs() < 1e-6));
+        turns.sort_by(|a, b| a.to_angle().total_cmp(&b.to_angle()));
+        let step = std::f32::consts::TAU / 1000.0;
+        assert!(turns.windows(2).all(|p| (p[0].angle_to(p[1]) - step).abs() < 1e-4));
+    }
+
+    #[test]
+    fn equal_areas_of_the_square_are_equal_areas_of_the_disk() {
+        const N: usize = 1001;
+        let mut rings = [0.0; 4];
+        let mut sectors = [0.0; 8];
+        for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+            let (p, square) = square_to_disk((Vec2::new(i as f32, j as f32) + 0.5) / N as f32);
+            assert!((p.length_squared() - square).abs() < 1e-6);
+            rings[(4.0 * p.length_squared()).min(3.99) as usize] += 4.0 / (N * N) as f64;
+            let turn = f64::from(p.y).atan2(f64::from(p.x)) / std::f64::consts::TAU;
+            sectors[(8.0 * turn.rem_euclid(1.0)).min(7.99) as usize] += 8.0 / (N * N) as f64;
+        }
+        assert!(rings.iter().chain(&sectors).all(|share: &f64| (share - 1.0).abs() < 0.02), "{rings:?} {sectors:?}");
+    }
+}

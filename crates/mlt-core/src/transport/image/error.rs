@@ -1,0 +1,137 @@
+//! The image's estimated error.
+
+use crate::engine::{Film, Pixel};
+use rayon::prelude::*;
+
+/// Half the sides of the squares around a pixel, until one of them has pixels enough.
+const RADII: [usize; 5] = [2, 3, 4, 6, 8];
+/// Pixels of equal noise that are enough to know how noisy a pixel is.
+const ENOUGH: f64 = 16.0;
+
+/// Weights of the channels in luminance, as in [`luminance`](crate::transport::luminance).
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Luminance of a pixel's mean, and a bound on its standard error: Σ weight × error of the channels, which is exact where
+/// their errors are fully correlated.
+pub fn luminance_and_error(film: &Film<3>, pixel: usize) -> (f64, f64) {
+    let channels = film.pixel(pixel);
+    let sum = |f: fn(&Pixel) -> f64| channels.iter().zip(LUMINANCE).map(|(c, w)| w * f(c)).sum();
+    (sum(|c| c.mean), sum(|c| c.stderr))
+}
+
+/// Mean luminance of the image.
+pub fn mean_luminance(film: &Film<3>) -> Pixel {
+    film.whole(LUMINANCE)
+}
+
+/// Pixels whose squares one thread sums.
+const PIXELS_A_SUM: u32 = 1 << 10;
+
+/// Estimated relative error of the image, √(Σ stderr² / Σ luminance²) over pixels; infinite before the second round and
+/// for a black image.
+pub fn relative_error(film: &Film<3>) -> f64 {
+    let sums = |first: u32| {
+        let (mut errors, mut squares) = (0.0, 0.0);
+        for pixel in first..film.sites().min(first + PIXELS_A_SUM) {
+            let (luminance, error) = luminance_and_error(film, pixel as usize);
+            errors += error * error;
+            squares += luminance * luminance;
+        }
+        [errors, squares]
+    };
+    let parts = film.sites().div_ceil(PIXELS_A_SUM);
+    let parts: Vec<_> = (0..parts).into_par_iter().map(|part| sums(part * PIXELS_A_SUM)).collect();
+    let [errors, squares] = [0, 1].map(|i| parts.iter().map(|part: &[f64; 2]| part[i]).sum::<f64>());
+    if squares > 0.0 { (errors / squares).sqrt() } else { f64::INFINITY }
+}
+
+/// Standard errors of all pixels of an image of this size, row by row and channel by channel: s² = max(v, mean of v over a square
+/// around the pixel), v being the scatter of its own rounds.
+///
+/// Where few rounds have met what is bright, the scatter of most pixels is too small, that of rounds which all found nothing is 0,
+/// and only some have it all. The square is the smallest of 5, 7, 9, 13 and 17 pixels a side with (Σ v)²/Σ v² ≥ 16.
+///
+/// Source: [Kish65], section 11.2, for that number of pixels of equal weight.
+pub fn standard_errors(film: &Film<3>, size: [u32; 2]) -> Vec<[f64; 3]> {
+    let own = |i: usize| film.pixel(i).map(|channel| channel.stderr * channel.stderr);
+    let own: Vec<_> = (0..film.sites() as usize).into_par_iter().map(own).collect();
+    let wider = |i: usize| {
+        let around = mean_around(&own, size.map(|n| n as usize), i);
+        [0, 1, 2].map(|c| own[i][c].max(around[c]).sqrt())
+    };
+    (0..own.len()).into_par_iter().map(wider).collect()
+}
+
+/// Mean of the variances over the square around a pixel. Those that are not known do not count.
+fn mean_around(variances: &[[f64; 3]], [width, height]: [usize; 2], pixel: usize) -> [f64; 3] {
+    let (x, y) = (pixel % width, pixel / width);
+    let mut mean = [0.0; 3];
+    for radius in RADII {
+        let side = |at: usize, n: usize| at.saturating_sub(radius)..(at + radius + 1).min(n);
+        let (columns, rows) = (side(x, width), side(y, height));
+        let (mut sums, mut sum, mut squares) = ([0.0; 3], 0.0, 0.0);
+        for row in rows.clone() {
+            for variance in &variances[row * width..][columns.clone()] {
+                let known = variance.map(|v| if v.is_finite() { v } else { 0.0 });
+                let all = known[0] + known[1] + known[2];
+                sums = [sums[0] + known[0], sums[1] + known[1], sums[2] + known[2]];
+                (sum, squares) = (sum + all, squares + all * all);
+            }
+        }
+        mean = sums.map(|sum| sum / (rows.len() * columns.len()) as f64);
+        if squares > 0.0 && sum * sum >= ENOUGH * squares {
+            break;
+        }
+    }
+    mean
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Sink, Splat};
+
+    /// Four rounds of an image of 40×40 pixels, each of which has `value(pixel, round)` in all channels.
+    fn film(value: impl Fn(u32, u32) -> f64) -> Film<3> {
+        let mut film = Film::<3>::new(1600, 1.0);
+        for round in 0..4 {
+            let mut deposits = film.deposits();
+            (0..1600).for_each(|site| deposits.deposit(Splat { site, value: [value(site, round); 3] }, 1.0));
+            film.add(&[deposits]);
+            film.close_round(1);
+        }
+        film
+    }
+
+    #[test]
+    fn a_pixel_without_light_takes_the_errors_around_it() {
+        // One pixel in five of each row and column is lit, in one round of two.
+        let film = film(|site, round| f64::from(u32::from(site % 5 == 2 && site / 40 % 5 == 2) * (round % 2)));
+        let lit = film.pixel(2 * 40 + 2)[0].stderr;
+        let errors = standard_errors(&film, [40, 40]);
+        assert!((errors[2 * 40 + 2][0] - lit).abs() < 1e-9);
+        // The square of 17 holds 9 to 16 of them.
+        let around = errors[19 * 40 + 19][0] / lit;
+        assert!(
+            (around.powi(2) * 289.0 - 9.0).abs() < 1e-6 || (around.powi(2) * 289.0 - 16.0).abs() < 1e-6,
+            "{around}"
+        );
+    }
+
+    #[test]
+    fn a_pixel_of_little_noise_among_many_takes_the_smallest_square_that_is_enough() {
+        // Noise of a half, but for one pixel that was lucky.
+        let film = film(|site, round| if site == 820 { 1.0 } else { f64::from(round % 2) });
+        let errors = standard_errors(&film, [40, 40]);
+        let noise = film.pixel(0)[0].stderr;
+        assert!((errors[0][0] - noise).abs() < 1e-9);
+        assert!((errors[820][0] - noise * (24f64 / 25.0).sqrt()).abs() < 1e-6, "{}", errors[820][0] / noise);
+    }
+
+    #[test]
+    fn errors_that_are_not_known_stay_so_and_do_not_spread() {
+        let film = film(|site, round| if site == 820 { 1e12 } else { f64::from(round % 2) });
+        let errors = standard_errors(&film, [40, 40]);
+        assert!(errors[820][0].is_infinite() && errors[821][0].is_finite());
+    }
+}

@@ -1,0 +1,114 @@
+//! A part of the lights, from which points are drawn in proportion to power, or for a vertex that they are to light.
+
+use super::cell::Cell;
+use super::sampler::NextEvent;
+use crate::transport::geometry::Vertex;
+use crate::transport::scene::{LightPoint, Lights};
+use glam::DVec2;
+use std::sync::Arc;
+
+/// Cells of one or more lights.
+#[derive(Clone, Debug)]
+pub struct LightRegion {
+    cells: Vec<Cell>,
+    /// Share of the power up to and with each cell.
+    cumulative: Vec<f64>,
+    /// How u lies on each cell.
+    scales: Vec<Scale>,
+    power: f64,
+    next_event: Arc<NextEvent>,
+}
+
+/// The map of an interval of [0, 1) onto a cell.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    /// Where the interval begins.
+    begin: f64,
+    /// Width of the cell over that of the interval.
+    width: f64,
+    height: f64,
+    /// The largest coordinates below the cell's upper bounds.
+    last: DVec2,
+}
+
+impl LightRegion {
+    /// The union of disjoint cells, those of a light in one run.
+    pub fn new(lights: &Lights, cells: Vec<Cell>) -> Self {
+        let mut power = 0.0;
+        let mut add = |cell: &Cell| {
+            power += cell.power(&lights.lights);
+            power
+        };
+        let mut cumulative: Vec<f64> = cells.iter().map(&mut add).collect();
+        cumulative.iter_mut().for_each(|c| *c /= power);
+        let mut begin = 0.0;
+        let mut scale = |(cell, &end): (&Cell, &f64)| {
+            let size = cell.high - cell.low;
+            let last = DVec2::new(cell.high.x.next_down(), cell.high.y.next_down());
+            let scale = Scale { begin, width: size.x / (end - begin), height: size.y, last };
+            begin = end;
+            scale
+        };
+        let scales = cells.iter().zip(&cumulative).map(&mut scale).collect();
+        let next_event = Arc::new(NextEvent::new(lights, &cells));
+        Self { cells, cumulative, scales, power, next_event }
+    }
+
+    /// All lights.
+    pub fn whole(lights: &Lights) -> Self {
+        Self::new(lights, (0..lights.lights.len() as u32).map(Cell::whole).collect())
+    }
+
+    /// ∫ M dA over the region; a point's density per area is M/power.
+    #[inline]
+    pub fn power(&self) -> f64 {
+        self.power
+    }
+
+    /// The cells.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// Draws points of the region for a vertex.
+    #[inline]
+    pub fn next_event(&self) -> &NextEvent {
+        &self.next_event
+    }
+
+    /// λ = d(x_0 | x_1) Φ/M: how much likelier [`next_event`](Self::next_event) draws x_0 for x_1 than [`sample`](Self::sample)
+    /// does; 1 where there is but one piece, 0 where x_0, at `point`, is not in the region.
+    #[inline]
+    pub(crate) fn preference(&self, lights: &Lights, [x_0, x_1]: [&Vertex; 2], point: &LightPoint) -> f64 {
+        if !self.next_event.has_choice() {
+            return 1.0;
+        }
+        let Some(number) = lights.number(x_0.primitive) else { return 0.0 };
+        let exitance = lights.lights[number.0 as usize].exitance();
+        self.preference_of(self.next_event.density(x_1, number, point), exitance)
+    }
+
+    /// The same from d and M.
+    #[inline]
+    pub(crate) fn preference_of(&self, density: f64, exitance: f64) -> f64 {
+        if self.next_event.has_choice() { density * self.power / exitance } else { 1.0 }
+    }
+
+    /// A point with density M/power per area, from two uniform numbers; never on a cell's upper bounds.
+    #[inline]
+    pub fn sample(&self, u: f64, v: f64) -> LightPoint {
+        let i = match self.cells.len() {
+            1 => 0,
+            n => self.cumulative.partition_point(|&c| c <= u).min(n - 1),
+        };
+        let (Cell { light, low, .. }, Scale { begin, width, height, last }) = (self.cells[i], self.scales[i]);
+        let (u, v) = (low.x + ((u - begin) * width).max(0.0), low.y + v * height);
+        LightPoint { light, u: least(u, last.x), v: least(v, last.y) }
+    }
+}
+
+/// The smaller of two numbers; [`f64::min`] also has to look for NaN.
+#[inline]
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}

@@ -1,0 +1,413 @@
+//! Which point of the lights is drawn for a vertex: next-event estimation with a tree over the pieces of the lights.
+//!
+//! A piece is a light's parallelogram or one triangle of a light, as far as it lies in a cell of the region that points are
+//! drawn on. The tree's nodes bound position and direction of what their parts hold; a walk from the root takes each part in
+//! proportion to a bound on the irradiance that it sends to the vertex.
+//!
+//! Source: [ContyKulla18], "Importance Sampling of Many Lights with Adaptive Tree Splitting", section 5.
+
+use super::cell::Cell;
+use crate::transport::geometry::{Vertex, hilbert};
+use crate::transport::scene::{LightPoint, Lights, Piece};
+use glam::{DVec2, Vec3, Vec3A, Vec4};
+use std::array;
+
+/// Parts that a node has; a [`Vec4`] holds a number for each.
+const WIDTH: usize = 4;
+
+/// The tree over the pieces of a region.
+#[derive(Clone, Debug)]
+pub struct NextEvent {
+    /// Along a Hilbert curve through their centres.
+    leaves: Vec<Leaf>,
+    /// The root first.
+    nodes: Vec<Node>,
+    /// The region's cells.
+    cells: Vec<Pieces>,
+    /// Place of each piece among the leaves, cell by cell.
+    place: Vec<u32>,
+}
+
+/// A cell and its pieces.
+#[derive(Clone, Copy, Debug)]
+struct Pieces {
+    cell: Cell,
+    /// Number of the first piece in its light.
+    first: u32,
+    /// Number of pieces of the cells before.
+    before: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Leaf {
+    light: u32,
+    /// The piece's corner with the smallest coordinates in the light's unit square, and its size there.
+    low: DVec2,
+    size: DVec2,
+    /// The largest coordinates that are still on it.
+    last: DVec2,
+    area: f64,
+}
+
+impl Leaf {
+    /// Uniform over the piece.
+    #[inline]
+    fn point(&self, u: f64, v: f64) -> LightPoint {
+        let place = (self.low + self.size * DVec2::new(u, v)).min(self.last);
+        LightPoint { light: self.light, u: place.x, v: place.y }
+    }
+}
+
+/// A quarter each of a run of leaves: a ball around its pieces and a cone around the normals of their fronts.
+#[derive(Clone, Copy, Debug, Default)]
+struct Node {
+    centre: [Vec4; 3],
+    radius: Vec4,
+    axis: [Vec4; 3],
+    /// Cosine and sine of half of the cone's opening.
+    spread: [Vec4; 2],
+    /// Share of the power of all lights; zero where a run of fewer than four leaves has no such part.
+    power: Vec4,
+    /// 1 where something emits from its back as well.
+    both_sides: Vec4,
+    /// The part's node, where it has more than one leaf.
+    below: [u32; WIDTH],
+}
+
+/// Lengths, and cosines and sines of angles in [0, π] times the lengths.
+#[derive(Clone, Copy)]
+struct Scaled {
+    length: Vec4,
+    cos: Vec4,
+    sin: Vec4,
+}
+
+impl Scaled {
+    #[inline]
+    fn of(length: Vec4, cos: Vec4) -> Self {
+        Self { length, cos, sin: (length * length - cos * cos).max(Vec4::ZERO).sqrt() }
+    }
+
+    /// max(0, self − other), and the products of the lengths.
+    #[inline]
+    fn beyond(self, other: Self) -> Self {
+        let length = self.length * other.length;
+        let inside = (self.cos * other.length).cmpge(other.cos * self.length);
+        let cos = self.cos * other.cos + self.sin * other.sin;
+        let sin = self.sin * other.cos - self.cos * other.sin;
+        Self { length, cos: Vec4::select(inside, length, cos), sin: Vec4::select(inside, Vec4::ZERO, sin) }
+    }
+}
+
+#[inline]
+fn dot(a: &[Vec4; 3], b: &[Vec4; 3]) -> Vec4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl Node {
+    /// Bounds on the irradiance at a vertex, but for a factor: power × cos θ' × cos θ_i' / d², where θ' is the least angle
+    /// of any of the normals with the direction to the vertex, and θ_i' that of the vertex's normal with any direction to
+    /// the ball. A bound is zero only where nothing arrives.
+    #[inline]
+    fn importance(&self, position: Vec3A, normal: Vec3A) -> Vec4 {
+        let [px, py, pz] = position.to_array().map(Vec4::splat);
+        let away = [px - self.centre[0], py - self.centre[1], pz - self.centre[2]];
+        let (square, ball_square) = (dot(&away, &away), self.radius * self.radius);
+        let (distance, outside) = (square.sqrt(), square - ball_square);
+        let ball = Scaled { length: distance, cos: outside.max(Vec4::ZERO).sqrt(), sin: self.radius };
+        let cone = Scaled { length: Vec4::ONE, cos: self.spread[0], sin: self.spread[1] };
+        let front = dot(&self.axis, &away);
+        let facing = Vec4::select(self.both_sides.cmpgt(Vec4::ZERO), front.abs(), front);
+        let leaving = Scaled::of(distance, facing).beyond(cone).beyond(ball);
+        let arriving = Scaled::of(distance, dot(&normal.to_array().map(Vec4::splat), &away).abs()).beyond(ball);
+        let inverse = Vec4::ONE / square.max(ball_square).max(Vec4::splat(f32::MIN_POSITIVE));
+        let cosines = (leaving.cos.max(Vec4::ZERO) * inverse) * (arriving.cos * inverse);
+        self.power * inverse * Vec4::select(outside.cmpgt(Vec4::ZERO), cosines, Vec4::ONE)
+    }
+
+    /// Probabilities of the parts.
+    #[inline]
+    fn probabilities(&self, vertex: &Vertex) -> Vec4 {
+        let weights = self.importance(vertex.position, vertex.shading_normal);
+        let total = weights.element_sum();
+        if total > 0.0 && total.is_finite() { weights / total } else { self.power / self.power.element_sum() }
+    }
+}
+
+impl NextEvent {
+    /// Builds the tree over disjoint cells, those of a light in one run and the lights in the order of their numbers.
+    pub(crate) fn new(lights: &Lights, cells: &[Cell]) -> Self {
+        let mut pieces: Vec<(u32, Piece)> = Vec::new();
+        let mut add = |&cell: &Cell| {
+            let (before, (first, found)) =
+                (pieces.len() as u32, lights.lights[cell.light as usize].pieces(cell.low, cell.high));
+            pieces.extend(found.into_iter().map(|piece| (cell.light, piece)));
+            Pieces { cell, first, before }
+        };
+        let cells: Vec<_> = cells.iter().map(&mut add).collect();
+        let centres: Vec<_> = pieces.iter().map(|(_, piece)| 0.5 * (piece.low + piece.high)).collect();
+        let order = hilbert::order(&centres);
+        let mut place = vec![0; pieces.len()];
+        (0..).zip(&order).for_each(|(at, &piece)| place[piece as usize] = at);
+        let total: f64 = cells.iter().map(|pieces| pieces.cell.power(&lights.lights)).sum();
+        let leaf = |&i: &u32| {
+            let (id, piece) = pieces[i as usize];
+            let ([low, high], light) = (piece.square, &lights.lights[id as usize]);
+            let (size, last) = (high - low, DVec2::new(high.x.next_down(), high.y.next_down()));
+            let share = size.x * size.y;
+            let leaf = Leaf { light: id, low, size, last, area: share * light.area };
+            (leaf, Bound::of(&piece, share * light.power() / total, light.both_sides))
+        };
+        let (leaves, bounds): (Vec<_>, Vec<_>) = order.iter().map(leaf).unzip();
+        let mut nodes = Vec::new();
+        if bounds.len() > 1 {
+            build(&bounds, &mut nodes);
+        }
+        Self { leaves, nodes, cells, place }
+    }
+
+    /// Whether there is more than one piece: else points are uniform over it, whatever the vertex.
+    #[inline]
+    pub fn has_choice(&self) -> bool {
+        self.leaves.len() > 1
+    }
+
+    /// A point for `vertex` from two uniform numbers, and its density per area.
+    #[inline]
+    pub fn sample(&self, vertex: &Vertex, mut u: f64, v: f64) -> (LightPoint, f64) {
+        let (place, probability) = self.descend(vertex, |_, probabilities| {
+            let mut below = 0.0;
+            let probabilities = probabilities.to_array();
+            let last = probabilities.iter().rposition(|&p| p > 0.0).unwrap_or(0);
+            for (part, p) in probabilities.map(f64::from).into_iter().enumerate() {
+                if (u < below + p && p > 0.0) || part == last {
+                    u = ((u - below) / p).clamp(0.0, 1f64.next_down());
+                    return part;
+                }
+                below += p;
+            }
+            last
+        });
+        let leaf = &self.leaves[place];
+        (leaf.point(u, v), probability / leaf.area)
+    }
+
+    /// The density with which [`sample`](Self::sample) draws a point, per area, given also its light and the number of its
+    /// triangle within that light; 0 for a point that is not in the region.
+    #[inline]
+    pub fn density(&self, vertex: &Vertex, number: (u32, u32), point: &LightPoint) -> f64 {
+        let Some(place) = self.place(number, point) else { return 0.0 };
+        let (_, probability) = self.descend(vertex, |ends, _| ends.iter().filter(|&&end| place >= end).count());
+        probability / self.leaves[place].area
+    }
+
+    /// The place among the leaves of the piece that a point lies on.
+    #[inline]
+    fn place(&self, (light, index): (u32, u32), point: &LightPoint) -> Option<usize> {
+        // What is met by chance may lie on the square's upper bounds.
+        let at = DVec2::new(point.u, point.v).min(DVec2::splat(1f64.next_down()));
+        let run = self.cells.partition_point(|pieces| pieces.cell.light < light);
+        let holds = |pieces: &Pieces| pieces.cell.holds(at);
+        let cell = run + self.cells[run..].iter().take_while(|p| p.cell.light == light).position(holds)?;
+        let Pieces { first, before, .. } = self.cells[cell];
+        let end = self.cells.get(cell + 1).map_or(self.place.len(), |next| next.before as usize);
+        // The two triangles of a parallelogram are one piece.
+        let piece = ((before + index.saturating_sub(first)) as usize).min(end - 1);
+        Some(self.place[piece] as usize)
+    }
+
+    /// Goes from the root to a leaf by the parts that `choose` takes, given the ends of the first three and the probabilities of
+    /// all; returns the leaf's place and the product of the probabilities.
+    #[inline]
+    fn descend(&self, vertex: &Vertex, mut choose: impl FnMut([usize; 3], Vec4) -> usize) -> (usize, f64) {
+        let (mut first, mut last, mut node, mut probability) = (0, self.leaves.len(), 0, 1.0);
+        while last - first > 1 {
+            let (ends, probabilities) = (quarters(first, last), self.nodes[node].probabilities(vertex));
+            let part = choose([ends[1], ends[2], ends[3]], probabilities);
+            probability *= f64::from(probabilities[part]);
+            (first, last, node) = (ends[part], ends[part + 1], self.nodes[node].below[part] as usize);
+        }
+        (first, probability)
+    }
+}
+
+/// Where leaves `first` to `last` − 1 are parted, with both ends.
+#[inline]
+fn quarters(first: usize, last: usize) -> [usize; WIDTH + 1] {
+    array::from_fn(|i| first + i * (last - first) / WIDTH)
+}
+
+/// What a node bounds, while the tree is built.
+#[derive(Clone, Copy)]
+struct Bound {
+    low: Vec3,
+    high: Vec3,
+    axis: Vec3,
+    /// Half of the cone's opening, radians.
+    spread: f64,
+    power: f64,
+    both_sides: bool,
+}
+
+impl Bound {
+    fn of(piece: &Piece, power: f64, both_sides: bool) -> Self {
+        let &Piece { low, high, normal, .. } = piece;
+        Self { low, high, axis: normal, spread: 0.0, power, both_sides }
+    }
+
+    fn union(a: &Self, b: &Self) -> Self {
+        let axis = (a.axis + b.axis).normalize_or(Vec3::Z);
+        // The rounding of the axes is far below the addend.
+        let reach = |x: &Self| x.spread + libm::acos(f64::from(axis.dot(x.axis).clamp(-1.0, 1.0))) + 1e-3;
+        Self {
+            low: a.low.min(b.low),
+            high: a.high.max(b.high),
+            axis,
+            spread: reach(a).max(reach(b)).min(std::f64::consts::PI),
+            power: a.power + b.power,
+            both_sides: a.both_sides || b.both_sides,
+        }
+    }
+
+    /// Writes it into a node as part `i`.
+    fn store(&self, i: usize, node: &mut Node) {
+        let centre = 0.5 * (self.low + self.high);
+        for axis in 0..3 {
+            (node.centre[axis][i], node.axis[axis][i]) = (centre[axis], self.axis[axis]);
+        }
+        // A little more than half of the diagonal, for what rounding takes away.
+        node.radius[i] = 0.5001 * (self.high - self.low).length();
+        (node.spread[0][i], node.spread[1][i]) = (libm::cos(self.spread) as f32, libm::sin(self.spread) as f32);
+        (node.power[i], node.both_sides[i]) = (self.power as f32, f32::from(u8::from(self.both_sides)));
+    }
+}
+
+/// Adds the tree over `leaves`, at least one; a single one is no node.
+fn build(leaves: &[Bound], nodes: &mut Vec<Node>) -> Bound {
+    if let [leaf] = leaves {
+        return *leaf;
+    }
+    let here = nodes.len();
+    nodes.push(Node::default());
+    let ends = quarters(0, leaves.len());
+    let mut whole: Option<Bound> = None;
+    for part in (0..WIDTH).filter(|&part| ends[part] < ends[part + 1]) {
+        nodes[here].below[part] = nodes.len() as u32;
+        let bound = build(&leaves[ends[part]..ends[part + 1]], nodes);
+        bound.store(part, &mut nodes[here]);
+        whole = Some(whole.map_or(bound, |whole| Bound::union(&whole, &bound)));
+    }
+    whole.unwrap_or(leaves[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Purpose, generator, uniform};
+    use crate::transport::colour::Rgb;
+    use crate::transport::lights::region::LightRegion;
+    use crate::transport::lights::strata::{LightStrata, Stratification};
+    use crate::transport::scene::Scene;
+    use crate::transport::tests::worlds::{World, lamps};
+    use glam::DVec3;
+    use rand_pcg::rand_core::Rng;
+
+    fn vertices(world: &World) -> Vec<Vertex> {
+        let mut rng = generator(1, Purpose::Sample, 0, 0, 0);
+        let mut direction = || DVec3::from_array([0; 3].map(|_| uniform(&mut rng) - 0.5)).normalize().as_vec3a();
+        (0..60).filter_map(|_| world.scene.trace(&world.camera.vertex(), direction())).collect()
+    }
+
+    fn points(rng: &mut impl Rng) -> [f64; 2] {
+        [uniform(rng), uniform(rng)]
+    }
+
+    fn number(scene: &Scene, point: &LightPoint) -> (u32, u32) {
+        scene.lights().number(scene.light_point(point).1.primitive).unwrap()
+    }
+
+    /// All lights, some in one part of which the ball of light is cut, and parts of one or few pieces.
+    fn regions(world: &World) -> Vec<LightRegion> {
+        let cuts = [1, 3, 9].map(Stratification::Count).into_iter().chain([Stratification::Grid(7, 1)]);
+        cuts.flat_map(|cut| LightStrata::new(world.scene.lights(), cut).regions().to_vec()).collect()
+    }
+
+    #[test]
+    fn a_points_density_is_that_which_it_was_drawn_with() {
+        let world = lamps();
+        let (mut rng, mut elsewhere) = (generator(2, Purpose::Sample, 0, 0, 0), 0);
+        let whole = LightRegion::whole(world.scene.lights());
+        for region in regions(&world) {
+            let tree = region.next_event();
+            for vertex in vertices(&world).into_iter().step_by(3) {
+                for _ in 0..10 {
+                    let [u, v] = points(&mut rng);
+                    let (point, density) = tree.sample(&vertex, u, v);
+                    let again = tree.density(&vertex, number(&world.scene, &point), &point);
+                    assert!((density / again - 1.0).abs() < 1e-6, "{density} {again}");
+                    let point = whole.sample(u, v);
+                    let inside =
+                        region.cells().iter().any(|c| c.light == point.light && c.holds([point.u, point.v].into()));
+                    elsewhere += u32::from(!inside);
+                    assert!(inside || tree.density(&vertex, number(&world.scene, &point), &point) == 0.0, "{point:?}");
+                }
+            }
+        }
+        assert!(elsewhere > 1000, "{elsewhere}");
+    }
+
+    /// Over points of density q, the mean of p/q is ∫ p dA = 1; and p is zero only where the light shows its back.
+    #[test]
+    fn densities_integrate_to_one_and_miss_no_light() {
+        let world = lamps();
+        let mut rng = generator(3, Purpose::Sample, 0, 0, 0);
+        let (n, mut unseen) = (1000, 0);
+        for region in regions(&world) {
+            let tree = region.next_event();
+            for vertex in vertices(&world).into_iter().step_by(4) {
+                let [mut sum, mut squares] = [0.0; 2];
+                for _ in 0..n {
+                    let [u, v] = points(&mut rng);
+                    let point = region.sample(u, v);
+                    let (light, source) = world.scene.light_point(&point);
+                    let density = tree.density(&vertex, number(&world.scene, &point), &point);
+                    let to_vertex = (vertex.position - source.position).normalize();
+                    if density == 0.0 {
+                        unseen += 1;
+                        assert_eq!(world.scene.emitted(&source, to_vertex), Rgb::ZERO, "{vertex:?} {source:?}");
+                    }
+                    let ratio = density * region.power() / light.exitance();
+                    (sum, squares) = (sum + ratio, squares + ratio * ratio);
+                }
+                let (mean, n) = (sum / f64::from(n), f64::from(n));
+                let error = ((squares / n - mean * mean).max(0.0) / n).sqrt();
+                assert!(
+                    (mean - 1.0).abs() < 4.5 * error + 1e-6,
+                    "{mean} ± {error} at {vertex:?} of {:?}",
+                    region.cells()
+                );
+            }
+        }
+        assert!(unseen > 300, "{unseen}");
+    }
+
+    #[test]
+    fn near_lights_are_preferred() {
+        let world = lamps();
+        let region = LightRegion::whole(world.scene.lights());
+        let tree = region.next_event();
+        // Beside the small ball of light.
+        let near = Vertex { position: Vec3A::new(0.3, 0.3, -0.4), ..vertices(&world)[0] };
+        let mut rng = generator(4, Purpose::Sample, 0, 0, 0);
+        let drawn = |light: u32, rng: &mut _| {
+            let hits = (0..2000).filter(|_| {
+                let [u, v] = points(rng);
+                tree.sample(&near, u, v).0.light == light
+            });
+            hits.count() as f64 / 2000.0
+        };
+        // The box's own lamp is the first light.
+        let by_power = world.scene.lights().lights[1].power() / world.scene.lights().power();
+        assert!(drawn(1, &mut rng) > 2.0 * by_power, "{near:?}");
+    }
+}

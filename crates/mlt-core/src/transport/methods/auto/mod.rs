@@ -1,0 +1,257 @@
+//! Metropolis where it pays, independent samples where those are better.
+//!
+//! Path space is cut into parts: of the lights, by length, by what next-event estimation cannot sample, and images of
+//! lights, which camera rays find. A pilot on a
+//! small image measures what path tracing, bidirectional path tracing and chains leave of error in each part, and
+//! what they cost; then one independent method samples the parts that it finds easy, and chains sample the rest.
+//! Every part is sampled by exactly one of them, so the sum is unbiased whatever the pilot found.
+
+mod candidates;
+mod costs;
+mod decide;
+mod doubt;
+mod measure;
+mod parts;
+mod plan;
+mod share;
+mod tails;
+
+use super::bidirectional::Bidirectional;
+use super::counts::PilotCounts;
+use super::metropolis::LightStratum;
+use super::metropolis::PathMutation;
+use super::path_tracing::PathTracer;
+use super::samples::mutations_a_sample;
+use crate::engine::{self, Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Piloted, Share, Tally};
+use crate::transport::lights::{LightRegion, LightStrata, LightTree, Stratification};
+use crate::transport::paths::LightPath;
+use crate::transport::scene::{View, rays_traced};
+use candidates::Candidate;
+use costs::{Chained, Findings, per_pixel, weights};
+use decide::{Choice, Costs, Decision, decide};
+use measure::Measured;
+use parts::Parts;
+use plan::summary;
+use share::{Chains, share_out};
+use tails::{Tail, Tails};
+
+pub use candidates::{Sampler, TIME_OF_A_BIDIRECTIONAL_RAY};
+pub use parts::SomePaths;
+pub use plan::{PartSummary, Plan, Summary};
+
+/// Time of a ray of chains, with all that comes with it, over that in path tracing.
+pub const TIME_OF_A_CHAINS_RAY: f64 = 1.2;
+
+/// Pixels of the image for each of the pilot's, but no fewer than [`USUAL_PIXELS`].
+const REDUCTION: f64 = 16.0;
+/// Pixels of the pilot's image, unless that takes too long.
+const USUAL_PIXELS: f64 = 4096.0;
+/// Fewest and most of them.
+const PIXELS: [f64; 2] = [256.0, 16_384.0];
+/// Time of the pilot over that of a round, at most.
+const ROUNDS_OF_TIME: f64 = 1.5;
+/// Time of the pilot's chains for one of its pixels, in samples of path tracing, about.
+const TIME_OF_CHAINS: f64 = 30.0;
+/// Samples of path tracing in the time of one of bidirectional path tracing, about.
+const PATHS: f64 = 4.0;
+/// Mutations a pixel and round of the pilot.
+const MUTATIONS: f64 = 8.0;
+/// Mutations for each independent sample of the pilot.
+const MUTATIONS_A_SAMPLE: u64 = 8;
+/// Rounds of the pilot's chains.
+const ROUNDS: u64 = 4;
+/// Most of them, where chains have a chance.
+const MOST_ROUNDS: u64 = 16;
+/// Time of these over that of a round, at most.
+const CHAIN_ROUNDS_OF_TIME: f64 = 0.75;
+/// Work of chains over what they were promised, at least.
+const LEAST_OF_A_PROMISE: f64 = 0.5;
+/// Most parts of the lights, unless they are asked for.
+const LIGHT_PARTS: usize = 8;
+/// Least share of the power of a part that is asked for: the pilot measures each of them in every pixel.
+const LEAST_SHARE: f64 = 1.0 / 16.0;
+/// Number of the first round of the pilot's chains.
+const CHAIN_PILOT: u64 = PILOT + (1 << 40);
+
+/// What a pilot is to find a plan for.
+pub(crate) struct Pilot<'a, I> {
+    pub(crate) view: View<'a>,
+    pub(crate) importance: &'a I,
+    /// All lights.
+    pub(crate) lights: &'a LightRegion,
+    /// How the lights are cut; `None` leaves it to the pilot.
+    pub(crate) stratification: Stratification,
+    pub(crate) max_edges: usize,
+    pub(crate) seed: u64,
+    /// Work of a round: as much as so many samples of path tracing a pixel.
+    pub(crate) per_pixel: f64,
+}
+
+impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
+    /// Measures and decides.
+    pub(crate) fn run(&self) -> (Plan, PilotCounts) {
+        let lights = self.view.scene.lights();
+        let strata = self.cut();
+        let parts = Parts::new(lights, &strata, self.max_edges, self.view.scene.has_specular());
+        let camera = self.view.camera.with_size(self.size());
+        let view = View { camera: &camera, ..self.view };
+        let measured = self.independent(view, &parts);
+        let candidates = Candidate::all(view, self.lights, self.max_edges, self.seed);
+        let weights = weights(&measured, camera.size());
+        let part =
+            |i: usize| LightStratum::of_part(&strata, i / parts.groups.len(), parts.group(i), view, self.max_edges);
+        let path_space: Vec<_> = parts.open_to_chains().into_iter().map(part).collect();
+        let (tails, sought) = self.tails(view, &parts, &path_space, &measured, &weights);
+        let findings =
+            Findings { parts: &parts, candidates: &candidates, measured: &measured, weights: &weights, tails };
+        // A round has one sample at least.
+        let budget = self.per_pixel.max(1.0) * measured[0].work;
+        let work: Vec<_> = candidates.iter().map(|candidate| candidate.work).collect();
+        let choose = |costs: &[Costs]| decide(budget, &work, costs);
+        let (costs, measures, chained) = self.costs(view, &path_space, &findings, &choose);
+        let (decision, chains) = self.hand_out(&parts, choose(&costs), &measures);
+        let summary = summary(&parts, &decision, &costs, &candidates);
+        let independent = decision.independent.map(|(m, samples)| match candidates[m].sampler {
+            // As many as were asked for.
+            sampler @ Sampler::Path { branches: 1 } if decision.chain_work == 0.0 => (sampler, self.per_pixel),
+            sampler => (sampler, samples),
+        });
+        let sampled = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
+        let sampled = PilotCounts { mutations: 0, rays: sampled as u64 };
+        let plan = Plan { independent, chained: chains.kinds, shares: chains.shares, summary, strata };
+        (plan, sampled + sought + chained)
+    }
+
+    /// Gives chains their shares: of the mixture, if that is still better than the best method alone with the numbers that
+    /// they get in fact.
+    fn hand_out(&self, parts: &Parts, choice: Choice, measures: &[Measure]) -> (Decision, Chains) {
+        let pixels = f64::from(self.view.camera.pixels());
+        let usual = mutations_a_sample(self.view, engine::MUTATIONS_A_SAMPLE);
+        let with_shares = |decision: Decision| {
+            let chains = share_out(parts, &decision, measures, decision.chain_work * pixels, usual);
+            debug_assert!(chains.work > LEAST_OF_A_PROMISE, "chains were promised {decision:?}");
+            (decision.with(&chains), chains)
+        };
+        let single = choice.single.product();
+        let mixture = choice.mixture.map(with_shares).filter(|(mixture, _)| mixture.product() <= single);
+        mixture.unwrap_or_else(|| with_shares(choice.single))
+    }
+
+    /// What each part costs each estimator, and what chains find there, from more rounds if chains are to do anything; and
+    /// what the rounds took.
+    fn costs(
+        &self,
+        view: View,
+        path_space: &[LightStratum],
+        findings: &Findings,
+        choose: &dyn Fn(&[Costs]) -> Choice,
+    ) -> (Vec<Costs>, Vec<Measure>, PilotCounts) {
+        let measure = |rounds| {
+            let (chains, tally) = self.chains(view, path_space, findings, rounds);
+            let measures = chains.iter().map(|c| c.measure).collect();
+            (findings.costs(&chains), measures, PilotCounts::of(&tally))
+        };
+        let (costs, chains, first) = measure(ROUNDS);
+        let more = self.more_rounds(view.camera.pixels());
+        if more <= ROUNDS || choose(&costs).best().chain_work == 0.0 {
+            return (costs, chains, first);
+        }
+        let (costs, chains, second) = measure(more);
+        (costs, chains, first + second)
+    }
+
+    fn cut(&self) -> LightStrata {
+        let lights = self.view.scene.lights();
+        if !matches!(self.stratification, Stratification::None | Stratification::Auto) {
+            return LightStrata::with_least_share(lights, self.stratification, LEAST_SHARE);
+        }
+        // Parts of one light hardly ever differ in what samples them best.
+        let tree = LightTree::new(lights);
+        LightStrata::of_cut(lights, &tree, &tree.cut(LIGHT_PARTS.min(lights.lights.len()), 0.0), 0.0)
+    }
+
+    /// Size of the pilot's image.
+    fn size(&self) -> [u32; 2] {
+        let [w, h] = self.view.camera.size().map(f64::from);
+        let time_of_a_pixel = 4.0 * self.per_pixel.max(4.0) + TIME_OF_CHAINS;
+        let affordable = ROUNDS_OF_TIME * self.per_pixel * w * h / time_of_a_pixel;
+        let pixels = (w * h / REDUCTION).max(USUAL_PIXELS).min(affordable).clamp(PIXELS[0], PIXELS[1]);
+        let scale = (pixels / (w * h)).sqrt().min(1.0);
+        [w, h].map(|n| (n * scale).round().max(1.0) as u32)
+    }
+
+    fn independent(&self, view: View, parts: &Parts) -> [Measured; 2] {
+        let (region, next_event, max_edges) = (self.lights, self.lights.next_event(), self.max_edges);
+        let samples = |n: f64| (n.max(1.0) as u64).next_power_of_two();
+        let (path, bidirectional) = (samples(self.per_pixel), samples(self.per_pixel / PATHS));
+        [
+            Measured::new(
+                &PathTracer { view, next_event, max_edges, max_image_edges: max_edges, branches: 1 },
+                parts,
+                path,
+                self.seed,
+            ),
+            Measured::new(&Bidirectional { view, region, max_edges }, parts, bidirectional, self.seed),
+        ]
+    }
+
+    /// Rounds of chains, where it depends on them what is decided.
+    fn more_rounds(&self, pixels: u32) -> u64 {
+        let time_of_a_round = TIME_OF_CHAINS / ROUNDS as f64 * f64::from(pixels);
+        let affordable = CHAIN_ROUNDS_OF_TIME * self.per_pixel * f64::from(self.view.camera.pixels()) / time_of_a_round;
+        (affordable as u64).min(MOST_ROUNDS)
+    }
+
+    /// Mutations of each part's chains in a round of the pilot.
+    fn mutations(&self, pixels: u32, parts: usize) -> u64 {
+        ((MUTATIONS * f64::from(pixels) / parts.max(1) as f64) as u64).max(LEAST_CHAIN)
+    }
+
+    /// What independent samples have missed, in each part.
+    fn tails(
+        &self,
+        view: View,
+        parts: &Parts,
+        strata: &[LightStratum],
+        measured: &[Measured; 2],
+        weights: &[f64],
+    ) -> (Vec<[Tail; 2]>, PilotCounts) {
+        let largest = |part: usize| measured.each_ref().map(|m| m.largest[part]);
+        let largest: Vec<_> = parts.open_to_chains().into_iter().map(largest).collect();
+        let (importance, lights, seed) = (self.importance, self.lights, self.seed);
+        let mutations = ROUNDS * self.mutations(view.camera.pixels(), strata.len());
+        let tails = Tails { view, importance, lights, seed, weights };
+        let (found, spent) = tails.measure(strata, &largest, mutations);
+        (parts.of_all(found), spent)
+    }
+
+    /// What chains find in each part.
+    fn chains(&self, view: View, strata: &[LightStratum], findings: &Findings, rounds: u64) -> (Vec<Chained>, Tally) {
+        let mutations = self.mutations(view.camera.pixels(), strata.len());
+        let shares = vec![Share { mutations, samples: mutations.div_ceil(MUTATIONS_A_SAMPLE) }; strata.len()];
+        let mixture = Mixture::new(PathMutation::all(view));
+        let (importance, seed) = (self.importance, self.seed);
+        let chains = Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work: rays_traced };
+        let pixels = view.camera.pixels();
+        let Piloted { measures, images, tally } =
+            chains.pilot(pixels, CHAIN_PILOT..CHAIN_PILOT + rounds, &|_| findings.weights.to_vec());
+        let of_image = |(part, (measure, image)): (usize, (Measure, Vec<_>))| {
+            let energy = image.iter().map(|(_, value)| value).sum::<f64>() / f64::from(pixels);
+            let relative = if measure.b > 0.0 { measure.b_stderr / measure.b } else { 0.0 };
+            let missed = findings.missed_by_chains(part, &image) * (rounds * mutations) as f64;
+            let measure = match measure.chain_error {
+                Some(error) if error < missed => {
+                    Measure { chain_error: Some(missed), chain_events: f64::INFINITY, ..measure }
+                }
+                _ => measure,
+            };
+            let measure = per_pixel(measure, pixels, self.view.camera.pixels());
+            Chained { measure, energy: [energy, relative * energy] }
+        };
+        let open = findings.parts.open_to_chains();
+        let found = open.into_iter().zip(measures.into_iter().zip(images)).map(of_image).collect();
+        let mut found = findings.parts.of_all(found);
+        findings.fill_in(&mut found);
+        (found, tally)
+    }
+}

@@ -1,0 +1,225 @@
+//! What independent samples have not met yet, told by chains.
+
+use super::{CHAIN_PILOT, MUTATIONS_A_SAMPLE};
+use crate::engine::{Chain, Importance, Mixture, Purpose, Sink, Stratum, generator, uniform};
+use crate::transport::lights::LightRegion;
+use crate::transport::methods::counts::PilotCounts;
+use crate::transport::methods::metropolis::LightStratum;
+use crate::transport::methods::metropolis::PathMutation;
+use crate::transport::paths::mis::Ends;
+use crate::transport::paths::{LightPath, mis};
+use crate::transport::scene::{View, rays_traced};
+use rayon::prelude::*;
+
+/// Chains in each part.
+const CHAINS: u64 = 16;
+/// What a value has to be over those that were met, so that rounding does not make it larger.
+const NEW: f64 = 1.01;
+
+/// Second moments of the events that an independent method has not met.
+///
+/// A sample that makes path x by technique s, with density p_s and weight w_s, has the value v_s = w_s f/p_s there. With
+/// u_p, the weight of pixel p's squared error, and V, a value that samples reached in several pixels, what is missing of the error is
+///
+/// Σ_s ∫_{v_s > V} u v_s² p_s dμ = b E_{x ~ I/b}[ u Σ_{s: v_s > V} v_s² p_s / I ].
+///
+/// Roulette, which makes values larger and rarer, is left out, so the truth may be larger still.
+///
+/// The share of a part's light that comes in such values is Σ_s ∫_{v_s > V} w_s I dμ / b = E_{x ~ I/b}[ Σ_{s: v_s > V} w_s ].
+pub(super) struct Tails<'a, I> {
+    pub(super) view: View<'a>,
+    pub(super) importance: &'a I,
+    /// All lights.
+    pub(super) lights: &'a LightRegion,
+    pub(super) seed: u64,
+    /// u, pixel by pixel.
+    pub(super) weights: &'a [f64],
+}
+
+/// What a method has not met of a part.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Tail {
+    /// Second moment.
+    pub(super) moment: f64,
+    /// Share of the light that chains found.
+    pub(super) light: f64,
+}
+
+/// What one chain saw.
+#[derive(Clone, Copy, Default)]
+struct OfChain {
+    /// b of the part, from the samples that it started from.
+    b: f64,
+    /// In the mean over its states.
+    tails: [Tail; 2],
+}
+
+/// A sink that forgets.
+struct Nothing;
+
+impl<S> Sink<S> for Nothing {
+    fn deposit(&mut self, _: S, _: f64) {}
+}
+
+impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
+    /// Those of path tracing and of bidirectional path tracing in each part, `largest` being V of both, from `mutations`
+    /// of each part's chains; and what that took.
+    pub(super) fn measure(
+        &self,
+        parts: &[LightStratum],
+        largest: &[[f64; 2]],
+        mutations: u64,
+    ) -> (Vec<[Tail; 2]>, PilotCounts) {
+        let chains: Vec<_> = (0..parts.len() as u64 * CHAINS).collect();
+        let of_chain = |&i: &u64| {
+            let part = (i / CHAINS) as usize;
+            let before = rays_traced();
+            (self.of_chain(&parts[part], largest[part], i, mutations / CHAINS), rays_traced() - before)
+        };
+        let (found, rays): (Vec<OfChain>, Vec<u64>) =
+            chains.par_iter().map(of_chain).collect::<Vec<_>>().into_iter().unzip();
+        let spent = PilotCounts { mutations: chains.len() as u64 * (mutations / CHAINS), rays: rays.iter().sum() };
+        let mean = |of: &[OfChain]| {
+            let all: f64 = of.iter().map(|chain| chain.b).sum();
+            let sum = |m: usize, value: fn(&Tail) -> f64| of.iter().map(|c| c.b * value(&c.tails[m])).sum::<f64>();
+            let light = |m| if all > 0.0 { sum(m, |tail| tail.light) / all } else { 0.0 };
+            [0, 1].map(|m| Tail { moment: sum(m, |tail| tail.moment) / CHAINS as f64, light: light(m) })
+        };
+        (found.chunks(CHAINS as usize).map(mean).collect(), spent)
+    }
+
+    /// From one chain, which starts at one of some independent samples, drawn in proportion to its importance weight.
+    fn of_chain(&self, part: &LightStratum, largest: [f64; 2], index: u64, mutations: u64) -> OfChain {
+        let stream = |purpose| generator(self.seed, purpose, CHAIN_PILOT - 1, index, 0);
+        let [mut rng, mut pick, mut steps] = [Purpose::Sample, Purpose::Start, Purpose::Chain].map(stream);
+        let (samples, mut total, mut start) = (mutations.div_ceil(MUTATIONS_A_SAMPLE), 0.0, LightPath::default());
+        for _ in 0..samples {
+            part.sample(&mut rng, &mut |path, weight| {
+                let weight = weight * self.importance.eval(path);
+                if weight > 0.0 && weight.is_finite() {
+                    total += weight;
+                    if uniform(&mut pick) * total < weight {
+                        start.clone_from(path);
+                    }
+                }
+            });
+        }
+        if total <= 0.0 {
+            return OfChain::default();
+        }
+        let mixture = Mixture::new(PathMutation::all(self.view));
+        let Some(mut chain) = Chain::new(&mixture, self.importance, part, start) else { return OfChain::default() };
+        let mut tails = [Tail::default(); 2];
+        for _ in 0..mutations {
+            chain.step(&mut Nothing, 0.0, &mut steps);
+            for (tail, here) in tails.iter_mut().zip(self.unmet(chain.current(), largest)) {
+                tail.moment += here.moment / mutations as f64;
+                tail.light += here.light / mutations as f64;
+            }
+        }
+        OfChain { b: total / samples as f64, tails }
+    }
+
+    /// u Σ_{s: v_s > V} v_s² p_s / I and Σ_{s: v_s > V} w_s of both methods.
+    fn unmet(&self, path: &LightPath, largest: [f64; 2]) -> [Tail; 2] {
+        let vertices = path.vertices();
+        let ends = Ends::new(path, &self.view, self.lights, 1.0);
+        let density = |s: usize| if mis::connectible(vertices, s) { mis::density(vertices, s, ends) } else { 0.0 };
+        let contribution = path.contribution().element_sum();
+        // Path tracing seldom draws points of the lights for the camera.
+        let drawn = path.edges() > 1 || self.view.camera.has_tiny_lights();
+        let of_path = [density(0), if drawn { density(1) } else { 0.0 }];
+        let tails = [
+            beyond(of_path.into_iter(), contribution, largest[0]),
+            beyond((0..vertices.len()).map(density), contribution, largest[1]),
+        ];
+        let weight = self.weights[path.pixel as usize] / self.importance.eval(path);
+        tails.map(|tail| Tail { moment: weight * tail.moment, ..tail })
+    }
+}
+
+/// Σ_{s: v_s > V} v_s² p_s and Σ_{s: v_s > V} w_s, with w_s = p_s²/Σ_i p_i².
+fn beyond(densities: impl Iterator<Item = f64> + Clone, contribution: f64, largest: f64) -> Tail {
+    let squares: f64 = densities.clone().map(|p| p * p).sum();
+    let value = |p: f64| p * contribution / squares;
+    let rare = densities.filter(|&p| p > 0.0 && value(p) > NEW * largest);
+    rare.fold(Tail::default(), |tail, p| Tail {
+        moment: tail.moment + p * value(p).powi(2),
+        light: tail.light + p * p / squares,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::uniform_f32;
+    use crate::transport::lights::{Cell, LightStrata, Stratification};
+    use crate::transport::methods::bidirectional::Bidirectional;
+    use crate::transport::methods::independent::ImageSampler;
+    use crate::transport::methods::path_tracing::PathTracer;
+    use crate::transport::methods::sobol::OwenSobol;
+    use crate::transport::paths::Luminance;
+    use crate::transport::tests::worlds::{World, pond, room, rough_metal};
+    use glam::{DVec2, DVec3, Vec2};
+
+    /// Longest path: short enough for no roulette.
+    const MAX_EDGES: usize = 3;
+    const LARGEST: f64 = 0.5;
+
+    /// E[Σ v²] over values above `LARGEST`, and its standard error.
+    fn sampled(sampler: &impl ImageSampler) -> [f64; 2] {
+        let n = 400_000;
+        let moment = |i: u64| {
+            let rng = &mut OwenSobol::new(i);
+            let (image, mut sum) = (Vec2::new(uniform_f32(rng), uniform_f32(rng)), 0.0);
+            sampler.sample(image, rng, &mut |_, value: DVec3, _| {
+                let value = value.element_sum();
+                sum += if value > NEW * LARGEST { value * value } else { 0.0 };
+            });
+            sum
+        };
+        let (sum, squares) = (0..n).map(moment).fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
+        let mean = sum / n as f64;
+        [mean, ((squares / n as f64 - mean * mean) / n as f64).sqrt()]
+    }
+
+    /// By chains, and the standard error.
+    fn by_chains(world: &World, region: &LightRegion) -> [[f64; 2]; 2] {
+        let view = world.view();
+        let weights = &vec![1.0; view.camera.pixels() as usize];
+        let lights = LightStrata::new(view.scene.lights(), Stratification::None);
+        let strata = LightStratum::all(&lights, view, MAX_EDGES);
+        let of = |seed| {
+            let tails = Tails { view, importance: &Luminance, lights: region, seed, weights };
+            tails.measure(&strata, &[[LARGEST; 2]], 50_000).0[0].map(|tail| tail.moment)
+        };
+        const SEEDS: u64 = 36;
+        let found: Vec<_> = (0..SEEDS).map(of).collect();
+        [0, 1].map(|m| {
+            let n = SEEDS as f64;
+            let mean = found.iter().map(|x| x[m]).sum::<f64>() / n;
+            let variance = found.iter().map(|x| (x[m] - mean).powi(2)).sum::<f64>() / (n - 1.0);
+            [mean, (variance / n).sqrt()]
+        })
+    }
+
+    #[test]
+    fn chains_tell_the_second_moments_of_independent_samples() {
+        // In the second one, most paths can be made by one technique alone.
+        for (world, several) in [(room(rough_metal(), false), true), (pond(), false)] {
+            let view = world.view();
+            let lights = view.scene.lights();
+            let region = &LightRegion::whole(lights);
+            let (max_edges, max_image_edges) = (MAX_EDGES, MAX_EDGES);
+            let path = PathTracer { view, next_event: region.next_event(), max_edges, max_image_edges, branches: 1 };
+            let exact = [sampled(&path), sampled(&Bidirectional { view, region, max_edges })];
+            let z = |found: [[f64; 2]; 2]| [0, 1].map(|m| (found[m][0] - exact[m][0]) / found[m][1].hypot(exact[m][1]));
+            let found = by_chains(&world, region);
+            assert!(z(found).iter().all(|z| z.abs() < 4.0), "{found:?} {exact:?}");
+            // The negative control: densities of a part of the light.
+            let part = Cell { high: DVec2::new(0.7, 1.0), ..Cell::whole(0) };
+            let wrong = by_chains(&world, &LightRegion::new(lights, vec![part]));
+            assert!(!several || z(wrong)[1].abs() > 4.0, "{wrong:?} {exact:?}");
+        }
+    }
+}

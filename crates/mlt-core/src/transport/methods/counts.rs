@@ -1,0 +1,49 @@
+//! What a render counted.
+
+use crate::engine::{StratumStats, Tally};
+use std::ops::Add;
+
+/// What a render counted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// Independent samples of the image.
+    pub samples: u64,
+    /// Rays traced, those of the pilot not among them.
+    pub rays: u64,
+    /// Mutations of the pilot, which are in no image.
+    pub pilot_mutations: u64,
+    /// Rays of the pilot.
+    pub pilot_rays: u64,
+    /// Metropolis: one entry a stratum.
+    pub strata: Vec<StratumStats>,
+    /// Names of the mutations, in the order of every stratum's list.
+    pub mutations: Vec<&'static str>,
+}
+
+impl Counts {
+    /// Steps of all chains.
+    pub fn steps(&self) -> u64 {
+        self.strata.iter().map(StratumStats::steps).sum()
+    }
+}
+
+/// What pilots spent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct PilotCounts {
+    pub(crate) mutations: u64,
+    pub(crate) rays: u64,
+}
+
+impl PilotCounts {
+    pub(crate) fn of(tally: &Tally) -> Self {
+        Self { mutations: tally.total().steps(), rays: tally.work() }
+    }
+}
+
+impl Add for PilotCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { mutations: self.mutations + other.mutations, rays: self.rays + other.rays }
+    }
+}

@@ -1,0 +1,221 @@
+//! Independent samples of the image, in rounds: path tracing and bidirectional path tracing as estimators.
+
+use super::bidirectional::Bidirectional;
+use super::path_tracing::PathTracer;
+use super::sobol::OwenSobol;
+use crate::engine::{Deposits, Estimator, Purpose, Sink, Splat, generator, uniform_f32};
+use crate::instructions::{InstructionSet, Work};
+use crate::transport::paths::PathEnd;
+use crate::transport::scene::rays_traced;
+use glam::{DVec3, Vec2};
+use rand_pcg::rand_core::Rng;
+use std::ops::Range;
+
+/// Pixel samples of one task.
+const TASK_SAMPLES: u64 = 1 << 13;
+
+/// A method that samples the image at given points.
+pub trait ImageSampler: Sync {
+    /// Number of pixels in a row, and of rows.
+    fn size(&self) -> [u32; 2];
+
+    /// Takes one sample through `image`, in [0, 1)², and shows `visit` its parts: the pixel, if it is not the one at
+    /// `image`, and the radiance. Over uniform points of the image, their expected sum in a pixel is the pixel's radiance
+    /// over the number of pixels.
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd));
+}
+
+impl ImageSampler for PathTracer<'_> {
+    fn size(&self) -> [u32; 2] {
+        self.view.camera.size()
+    }
+
+    #[inline(always)]
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+        if self.view.camera.has_tiny_lights() {
+            self.see_light(rng, visit);
+        }
+        self.sample(image, rng, &mut |radiance, end| visit(None, radiance, end));
+    }
+}
+
+impl ImageSampler for Bidirectional<'_> {
+    fn size(&self) -> [u32; 2] {
+        self.view.camera.size()
+    }
+
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+        self.sample_image(image, rng, visit);
+    }
+}
+
+/// A part of path space.
+pub trait Selection: Sync {
+    /// Whether a path that ends like this belongs to it.
+    fn contains(&self, end: &PathEnd) -> bool;
+}
+
+/// All paths.
+pub struct AllPaths;
+
+impl Selection for AllPaths {
+    #[inline]
+    fn contains(&self, _: &PathEnd) -> bool {
+        true
+    }
+}
+
+/// Samples every pixel equally often in each round.
+pub struct Independent<'a, T, S = AllPaths> {
+    /// The method.
+    pub sampler: &'a T,
+    /// The paths that are sampled.
+    pub selection: S,
+    /// Samples of each pixel in a round, on average over the rounds: round r takes ⌊(r + 1) n⌋ − ⌊r n⌋ of them, but one
+    /// at least.
+    pub samples_per_pixel: f64,
+    /// Key of all random streams.
+    pub seed: u64,
+}
+
+/// What independent sampling counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SampleTally {
+    /// Samples of the image.
+    pub samples: u64,
+    /// Rays traced.
+    pub rays: u64,
+}
+
+impl<T: ImageSampler, S: Selection> Independent<'_, T, S> {
+    fn pixels(&self) -> u64 {
+        let [w, h] = self.sampler.size();
+        u64::from(w) * u64::from(h)
+    }
+
+    fn samples(&self, round: u64) -> u64 {
+        // The small addend keeps whole multiples whole: ten thirds in three rounds are ten.
+        let up_to = |rounds: u64| (rounds as f64 * self.samples_per_pixel + 1e-6).floor() as u64;
+        (up_to(round + 1) - up_to(round)).max(1)
+    }
+
+    /// Pixels of one task: at least one, as many as make a task worth its while.
+    fn pixels_per_task(&self) -> u64 {
+        (TASK_SAMPLES / (self.samples_per_pixel.ceil() as u64).max(1)).max(1)
+    }
+
+    /// Takes a pixel's samples of a round: the first points of one Owen-scrambled Sobol sequence.
+    #[inline(always)]
+    fn sample_pixel(&self, round: u64, pixel: u64, rng: &mut OwenSobol, deposits: &mut Deposits<3>) {
+        let samples = self.samples(round);
+        let seed = generator(self.seed, Purpose::Image, round, 0, pixel).next_u64();
+        let size = self.sampler.size();
+        let weight = 1.0 / samples as f64;
+        let mut here = DVec3::ZERO;
+        rng.restart(seed);
+        for index in 0..samples {
+            rng.go_to(index);
+            let image = point_in_pixel(pixel, size, rng);
+            self.sampler.sample(image, rng, &mut |elsewhere, value, end| match elsewhere {
+                _ if !self.selection.contains(&end) => {}
+                Some(site) => deposits.deposit(Splat { site, value: value.to_array() }, weight),
+                None => here += value,
+            });
+        }
+        if here != DVec3::ZERO {
+            deposits.deposit(Splat { site: pixel as u32, value: here.to_array() }, weight);
+        }
+    }
+}
+
+/// The samples of some pixels in a round.
+struct Pixels<'a, T, S> {
+    of: &'a Independent<'a, T, S>,
+    round: u64,
+    pixels: Range<u64>,
+    deposits: &'a mut Deposits<3>,
+}
+
+impl<T: ImageSampler, S: Selection> Work for Pixels<'_, T, S> {
+    type Outcome = ();
+
+    #[inline(always)]
+    fn perform(self) {
+        let mut rng = OwenSobol::new(0);
+        for pixel in self.pixels {
+            self.of.sample_pixel(self.round, pixel, &mut rng, self.deposits);
+        }
+    }
+}
+
+/// A uniform point of a pixel, as a point of the image in [0, 1)².
+pub(crate) fn point_in_pixel(pixel: u64, [w, h]: [u32; 2], rng: &mut impl Rng) -> Vec2 {
+    let corner = Vec2::new((pixel % u64::from(w)) as f32, (pixel / u64::from(w)) as f32);
+    let inside = Vec2::new(uniform_f32(rng), uniform_f32(rng));
+    ((corner + inside) / Vec2::new(w as f32, h as f32)).min(Vec2::splat(1.0 - f32::EPSILON))
+}
+
+impl<T: ImageSampler, S: Selection> Estimator<3> for Independent<'_, T, S> {
+    type Prepared = u64;
+    type Tally = SampleTally;
+
+    fn prepare(&self, round: u64) -> u64 {
+        round
+    }
+
+    fn tasks(&self, _: &u64) -> usize {
+        self.pixels().div_ceil(self.pixels_per_task()) as usize
+    }
+
+    fn task_deposits(&self) -> usize {
+        (self.pixels_per_task() * (self.samples_per_pixel.ceil() as u64).max(1)) as usize
+    }
+
+    fn run(&self, round: &u64, task: usize, deposits: &mut Deposits<3>) -> SampleTally {
+        let before = rays_traced();
+        let first = task as u64 * self.pixels_per_task();
+        let last = (first + self.pixels_per_task()).min(self.pixels());
+        InstructionSet::detect().perform(Pixels { of: self, round: *round, pixels: first..last, deposits });
+        SampleTally { samples: (last - first) * self.samples(*round), rays: rays_traced() - before }
+    }
+
+    fn weight(&self, round: u64) -> u64 {
+        self.samples(round)
+    }
+
+    fn tally(&self, total: &mut SampleTally, _: &u64, tasks: Vec<SampleTally>) {
+        total.samples += tasks.iter().map(|t| t.samples).sum::<u64>();
+        total.rays += tasks.iter().map(|t| t.rays).sum::<u64>();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transport::lights::LightRegion;
+    use crate::transport::tests::worlds::worlds;
+
+    /// What a task leaves with the instructions that the processor has, and with those that all have.
+    fn both<T: ImageSampler>(sampler: &T) -> [Deposits<3>; 2] {
+        let of = &Independent { sampler, selection: AllPaths, samples_per_pixel: 9.0, seed: 5 };
+        let mut deposits = [(); 2].map(|()| Deposits::new(of.pixels() as u32, 31));
+        let [best, portable] = deposits.each_mut().map(|deposits| Pixels { of, round: 2, pixels: 0..50, deposits });
+        InstructionSet::detect().perform(best);
+        portable.perform();
+        deposits
+    }
+
+    #[test]
+    fn instructions_change_no_bit() {
+        for (name, world) in worlds() {
+            let (view, region) = (world.view(), &LightRegion::whole(world.scene.lights()));
+            let next_event = region.next_event();
+            let paths = PathTracer { view, next_event, max_edges: 12, max_image_edges: 12, branches: 2 };
+            let connected = Bidirectional { view, region, max_edges: 12 };
+            for [best, portable] in [both(&paths), both(&connected)] {
+                assert!(!portable.band(0).is_empty(), "{name}");
+                assert_eq!(best.band(0), portable.band(0), "{name}");
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Mutations of light paths, one file each.
+
+mod bidirectional;
+mod caustic;
+mod follow;
+mod lens;
+mod multi_chain;
+#[cfg(test)]
+mod tests;
+
+use super::stratum::LightStratum;
+use crate::engine::Mutation;
+use crate::transport::paths::LightPath;
+use crate::transport::scene::View;
+use rand_pcg::rand_core::Rng;
+
+pub use bidirectional::BidirectionalMutation;
+pub use caustic::CausticPerturbation;
+pub use lens::LensPerturbation;
+pub use multi_chain::MultiChainPerturbation;
+
+/// One of the mutations, chosen without a virtual call.
+#[derive(Clone, Copy)]
+pub enum PathMutation<'a> {
+    /// Deletes a subpath and traces a new one.
+    Bidirectional(BidirectionalMutation<'a>),
+    /// Moves the path on the image.
+    Lens(LensPerturbation<'a>),
+    /// Turns the light that makes a caustic.
+    Caustic(CausticPerturbation<'a>),
+    /// Moves the path on the image and turns what lies behind.
+    MultiChain(MultiChainPerturbation<'a>),
+}
+
+/// The perturbations that go with the bidirectional mutation. It goes alone if need be: it reaches every path by itself, and they
+/// do not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Perturbations {
+    /// [`LensPerturbation`].
+    pub lens: bool,
+    /// [`MultiChainPerturbation`].
+    pub multi_chain: bool,
+    /// [`CausticPerturbation`].
+    pub caustic: bool,
+}
+
+impl Perturbations {
+    /// None of them.
+    pub const NONE: Self = Self { lens: false, multi_chain: false, caustic: false };
+    /// All of them.
+    pub const ALL: Self = Self { lens: true, multi_chain: true, caustic: true };
+}
+
+impl Default for Perturbations {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+impl<'a> PathMutation<'a> {
+    /// All that apply to a view.
+    pub fn all(view: View<'a>) -> Vec<Self> {
+        Self::with(Perturbations::ALL, view)
+    }
+
+    /// The bidirectional mutation and those of the perturbations that apply to a view; that for caustics only where a surface is
+    /// specular.
+    pub fn with(perturbations: Perturbations, view: View<'a>) -> Vec<Self> {
+        let Perturbations { lens, multi_chain, caustic } = perturbations;
+        let mut chosen = vec![Self::Bidirectional(BidirectionalMutation { view })];
+        chosen.extend(lens.then(|| Self::Lens(LensPerturbation::new(view))));
+        chosen.extend(multi_chain.then(|| Self::MultiChain(MultiChainPerturbation::new(view))));
+        chosen.extend((caustic && view.scene.has_specular()).then_some(Self::Caustic(CausticPerturbation { view })));
+        chosen
+    }
+}
+
+impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Bidirectional(_) => "bidirectional",
+            Self::Lens(_) => "lens",
+            Self::Caustic(_) => "caustic",
+            Self::MultiChain(_) => "multi-chain",
+        }
+    }
+
+    #[inline(always)]
+    fn suitability(&self, current: &LightPath) -> f64 {
+        match self {
+            Self::Bidirectional(m) => m.suitability(current),
+            Self::Lens(m) => m.suitability(current),
+            Self::Caustic(m) => m.suitability(current),
+            Self::MultiChain(m) => m.suitability(current),
+        }
+    }
+
+    #[inline]
+    fn propose(
+        &self,
+        current: &LightPath,
+        proposal: &mut LightPath,
+        within: &LightStratum<'a>,
+        rng: &mut impl Rng,
+    ) -> Option<f64> {
+        match self {
+            Self::Bidirectional(m) => m.propose(current, proposal, within, rng),
+            Self::Lens(m) => m.propose(current, proposal, within, rng),
+            Self::Caustic(m) => m.propose(current, proposal, rng),
+            Self::MultiChain(m) => m.propose(current, proposal, within, rng),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! The multi-chain perturbation: the lens perturbation, one diffuse vertex or more further.
+//!
+//! Paths of the form … D S* D S* E with two diffuse vertices or more behind the light's: the camera ray is moved as by the
+//! lens perturbation, the direction that leaves its first diffuse vertex towards the light is turned by an angle with density
+//! ∝ 1/θ² per solid angle, and specular chains are followed through the same events; where another one begins, another direction is
+//! turned, until the path can be connected or has come to its light. From there it goes on with probability ½ each time. All moves are
+//! symmetric, so with x_m the last vertex that changes
+//!
+//! T(y→x) / T(x→y) = Π_{m ≤ i < k} q_i(x) / q_i(y),  q_{k−1} = reverse_{k−1},
+//!   q_i = reverse_i / P(event at x_{i+1}) after a specular x_{i+1},  q_i = |cosθ_i| / |x_i − x_{i+1}|² after a diffuse one.
+//!
+//! Without a specular vertex it changes two, which frees what the lens perturbation cannot leave: a short edge in a corner between
+//! walls, whose 1/|x_i − x_{i+1}|² is in f and here in q_i as well. Where it goes further, it frees short edges deeper in the path.
+//!
+//! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the image. Added: chains without a
+//! specular vertex, and chains that go on where they could end.
+
+use super::follow::{FromEye, SUITABILITY};
+use super::lens::first_diffuse;
+use crate::engine::uniform;
+use crate::transport::methods::metropolis::stratum::LightStratum;
+use crate::transport::paths::LightPath;
+use crate::transport::scene::View;
+use rand_pcg::rand_core::Rng;
+
+/// Probability of moving another diffuse vertex, where there is one besides the light's.
+const FURTHER: f64 = 0.5;
+
+/// Moves the camera ray and turns the directions behind it.
+#[derive(Clone, Copy)]
+pub struct MultiChainPerturbation<'a> {
+    from_eye: FromEye<'a>,
+}
+
+impl<'a> MultiChainPerturbation<'a> {
+    /// For the paths of a view.
+    pub fn new(view: View<'a>) -> Self {
+        Self { from_eye: FromEye::new(view) }
+    }
+
+    /// Positive for paths with another vertex to move behind the first diffuse one, else 0.
+    pub fn suitability(&self, current: &LightPath) -> f64 {
+        let m = first_diffuse(current, current.edges());
+        if m >= 2 { SUITABILITY } else { 0.0 }
+    }
+
+    /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
+    pub fn propose(
+        &self,
+        current: &LightPath,
+        proposal: &mut LightPath,
+        within: &LightStratum,
+        rng: &mut impl Rng,
+    ) -> Option<f64> {
+        let mut m = next_end(current, first_diffuse(current, current.edges()));
+        while m >= 2 && uniform(rng) < FURTHER {
+            m = next_end(current, m);
+        }
+        self.from_eye.perturb(current, proposal, m, within, rng)
+    }
+}
+
+/// Below `i`, the first diffuse vertex that can be connected to the one before it; 0 if there is none.
+fn next_end(path: &LightPath, i: usize) -> usize {
+    let mut m = first_diffuse(path, i);
+    while m > 0 && path.vertices[m - 1].vertex.delta {
+        m = first_diffuse(path, m);
+    }
+    m
+}

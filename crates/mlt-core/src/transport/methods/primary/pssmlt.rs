@@ -1,0 +1,67 @@
+//! Primary sample space over whole bidirectional samples: all connections of two subpaths are one state.
+//!
+//! Source: [KelemenSzirmayKalos02], section 4.
+
+use super::Part;
+use crate::engine::{Importance, Splat};
+use crate::primary::{Output, Streams, Tracer};
+use crate::transport::methods::bidirectional::Bidirectional;
+use crate::transport::paths::LightPath;
+
+/// Numbers of the light's subpath, numbers of the camera's.
+const STREAMS: usize = 2;
+
+/// F(u) = Σ_{s,t} w_s f / p_s over the connections of the two subpaths.
+#[derive(Clone, Copy)]
+pub struct AllConnections<'a, I> {
+    /// Where.
+    pub part: Part<'a, I>,
+}
+
+/// Deposits of all connections, those at one pixel added up.
+#[derive(Clone, Debug, Default)]
+pub struct Splats {
+    splats: Vec<Splat<3>>,
+    importance: f64,
+}
+
+impl Output for Splats {
+    type Splat = Splat<3>;
+
+    #[inline]
+    fn importance(&self) -> f64 {
+        self.importance
+    }
+
+    fn splats(&self) -> impl Iterator<Item = Splat<3>> {
+        self.splats.iter().copied()
+    }
+}
+
+impl Splats {
+    fn add(&mut self, path: &LightPath, weight: f64) {
+        let value = path.contribution * (f64::from(path.pixels) * weight);
+        match self.splats.iter_mut().find(|splat| splat.site == path.pixel) {
+            Some(splat) => splat.value.iter_mut().zip(value.to_array()).for_each(|(sum, v)| *sum += v),
+            None => self.splats.push(Splat { site: path.pixel, value: value.to_array() }),
+        }
+    }
+}
+
+impl<I: Importance<LightPath>> Tracer<STREAMS> for AllConnections<'_, I> {
+    type Output = Splats;
+
+    fn trace(&self, [light, eye]: &mut Streams<STREAMS>, output: &mut Splats) -> bool {
+        let Part { view, strata, index, max_edges, importance } = self.part;
+        let sampler = Bidirectional { view, region: &strata.regions()[index as usize], max_edges };
+        output.splats.clear();
+        output.importance = 0.0;
+        sampler.sample_apart(light, eye, &mut |path, weight| {
+            if self.part.contains(path) {
+                output.importance += weight * importance.eval(path);
+                output.add(path, weight);
+            }
+        });
+        output.importance > 0.0
+    }
+}

@@ -1,0 +1,51 @@
+//! What decides the bits of a render.
+
+use super::metropolis::Adaptation;
+use super::metropolis::Perturbations;
+use super::metropolis::Variant;
+use crate::transport::image::Target;
+use crate::transport::lights::Stratification;
+use crate::transport::paths::Classes;
+
+/// How the image is estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Independent samples where they are better, Metropolis where it pays: see [`auto`](mod@super::auto).
+    Auto,
+    /// Stratified Metropolis light transport in path space.
+    #[default]
+    Metropolis,
+    /// Bidirectional path tracing.
+    Bidirectional,
+    /// Path tracing with next-event estimation.
+    Path,
+    /// Stratified Metropolis over the random numbers of bidirectional samples.
+    PrimaryBidirectional,
+    /// Stratified Metropolis over the random numbers of single paths, with their length and technique.
+    Multiplexed,
+}
+
+/// What decides the bits of a render, besides the scene and the camera.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// How the image is estimated.
+    pub method: Method,
+    /// How the lights are cut, for Metropolis.
+    pub stratification: Stratification,
+    /// How paths are cut besides, for Metropolis.
+    pub classes: Classes,
+    /// How a round is shared among the strata.
+    pub adaptation: Adaptation,
+    /// What strata restrict.
+    pub variant: Variant,
+    /// What goes with the bidirectional mutation in [`Method::Metropolis`].
+    pub perturbations: Perturbations,
+    /// What chains sample in proportion to.
+    pub target: Target,
+    /// Most edges of a path; `None`: no limit.
+    pub max_edges: Option<usize>,
+    /// Key of all random streams.
+    pub seed: u64,
+    /// Mutations (Metropolis) or samples of each pixel in a round; for independent methods on average over the rounds.
+    pub per_pixel: f64,
+}

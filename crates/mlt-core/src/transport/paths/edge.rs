@@ -1,0 +1,56 @@
+//! The straight line between two vertices of a path.
+
+use crate::transport::geometry::Vertex;
+use crate::transport::geometry::math::abs_dot;
+use glam::Vec3A;
+
+/// The edge between two vertices.
+pub(crate) struct Edge {
+    /// Unit direction from the first to the second.
+    pub(crate) direction: Vec3A,
+    /// τ over the squared length.
+    pub(crate) inverse_square: f32,
+    /// |cosθ| at both ends, to the geometric normals.
+    pub(crate) cosines: [f32; 2],
+}
+
+impl Edge {
+    /// A connection; `None` if the two coincide.
+    #[inline(always)]
+    pub(crate) fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
+        // Root and reciprocal do not wait for each other.
+        let step = y.position - x.position;
+        let square = step.length_squared();
+        let inverse_square = 1.0 / square;
+        let direction = step * (inverse_square * square.sqrt());
+        (square > 0.0 && inverse_square.is_finite()).then(|| Self::new(direction, inverse_square, [x, y]))
+    }
+
+    /// What a ray from one to the other followed, in this unit direction from `x` to `y`.
+    ///
+    /// The positions do not give it back: they are rounded, and the ray starts off the surface, by as much as a pane of glass may
+    /// be thick. What follows behind a specular surface depends on it. The length is less exact and matters less: between specular
+    /// surfaces it is a factor of f and of every density.
+    #[inline(always)]
+    pub(crate) fn along(direction: Vec3A, x: &Vertex, y: &Vertex) -> Self {
+        let square = x.position.distance_squared(y.position).max(f32::MIN_POSITIVE);
+        Self::new(direction, 1.0 / square, [x, y])
+    }
+
+    #[inline(always)]
+    fn new(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
+        Self { direction, inverse_square, cosines: ends.map(|end| abs_dot(end.geometric_normal, direction)) }
+    }
+
+    /// The same edge where the share `passed` gets through.
+    #[inline(always)]
+    pub(crate) fn veiled(self, passed: f32) -> Self {
+        Self { inverse_square: self.inverse_square * passed, ..self }
+    }
+
+    /// G τ = |cosθ cosθ'| τ / d².
+    #[inline(always)]
+    pub(crate) fn geometric_term(&self) -> f64 {
+        f64::from(self.cosines[0] * self.cosines[1]) * f64::from(self.inverse_square)
+    }
+}

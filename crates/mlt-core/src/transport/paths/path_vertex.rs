@@ -1,0 +1,161 @@
+//! Vertices of a path with the densities of every way of making them.
+
+use super::edge::Edge;
+use crate::transport::bsdf::Evaluation;
+use crate::transport::colour::Rgb;
+use crate::transport::geometry::Vertex;
+use crate::transport::scene::View;
+use glam::Vec3A;
+use std::f32::consts::FRAC_1_PI;
+use std::sync::atomic::{Ordering, compiler_fence};
+
+/// A vertex x_i of a path with what depends on it and its neighbours.
+#[derive(Clone, Copy, Debug)]
+pub struct PathVertex {
+    /// Where it is.
+    pub vertex: Vertex,
+    /// Unit direction to x_{i+1}, the next vertex towards the camera.
+    pub to_eye: Vec3A,
+    /// τ/|x_{i+1} − x_i|², τ what surfaces that are not opaque let pass.
+    pub inverse_square: f32,
+    /// |cosθ| of the edge to x_{i+1}, at x_i and at x_{i+1}, to the geometric normals.
+    pub cosines: [f32; 2],
+    /// G(x_i, x_{i+1}) τ = |cosθ_i cosθ_{i+1}| τ / |x_i − x_{i+1}|², geometric normals.
+    pub geometric_term: f64,
+    /// x_0: emitted radiance; x_k: W_e; between them f_s(x_{i−1} → x_i → x_{i+1}) |ω·N_s|/|ω·N_g|, ω towards x_{i−1}.
+    pub scatter: Rgb,
+    /// Density per area of x_i, drawn from x_{i−1}; of x_0: M, to be divided by the power of the region it is drawn from.
+    pub forward: f64,
+    /// Density per area of x_i, drawn from x_{i+1}; of x_k: 1.
+    pub reverse: f64,
+}
+
+impl PathVertex {
+    /// A vertex whose neighbours are not known yet.
+    pub fn new(vertex: Vertex) -> Self {
+        Self {
+            vertex,
+            to_eye: Vec3A::ZERO,
+            inverse_square: 0.0,
+            cosines: [0.0; 2],
+            geometric_term: 0.0,
+            scatter: Rgb::ZERO,
+            forward: 0.0,
+            reverse: 0.0,
+        }
+    }
+
+    /// A density per solid angle along the edge to x_{i+1} as a density per area at x_i.
+    #[inline]
+    pub(crate) fn per_area_here(&self, pdf: f32) -> f64 {
+        f64::from(pdf) * f64::from(self.cosines[0]) * f64::from(self.inverse_square)
+    }
+
+    /// The same as a density per area at x_{i+1}.
+    #[inline]
+    pub(crate) fn per_area_there(&self, pdf: f32) -> f64 {
+        f64::from(pdf) * f64::from(self.cosines[1]) * f64::from(self.inverse_square)
+    }
+}
+
+/// x_i's factor in g.
+#[inline]
+pub(crate) fn reference(vertices: &[PathVertex], i: usize) -> f64 {
+    if i == 0 { 1.0 } else { vertices[i].reverse }
+}
+
+/// Whether x_{s−1} and x_s may be connected.
+#[inline]
+pub(crate) fn connectible(vertices: &[PathVertex], s: usize) -> bool {
+    s == 0 || !(vertices[s - 1].vertex.delta || vertices[s].vertex.delta)
+}
+
+/// Copies a few vertices. One after the other: what the branches of a general copy do, whose length varies, is hard to foresee.
+#[inline(always)]
+pub(crate) fn copy_vertices(to: &mut [PathVertex], from: &[PathVertex]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
+        // No instruction; it keeps the compiler from calling that copy.
+        compiler_fence(Ordering::SeqCst);
+    }
+}
+
+/// Sets the edge from x_i to x_{i+1}.
+#[inline(always)]
+pub(crate) fn set_edge(x: &mut PathVertex, edge: Edge) {
+    x.geometric_term = edge.geometric_term();
+    Edge { direction: x.to_eye, inverse_square: x.inverse_square, cosines: x.cosines } = edge;
+}
+
+/// Sets the scattering at x_i, whose edges are set, and the densities of its two neighbours, drawn from it.
+/// `None` if it scatters nothing.
+#[inline(always)]
+pub(crate) fn set_scattering(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
+    if i == 0 {
+        set_emission(vertices, view)
+    } else if i + 1 == vertices.len() {
+        set_sensitivity(vertices, view)
+    } else {
+        set_reflection(vertices, i, view)
+    }
+}
+
+/// x_0, on a light: L_e, M, and the density of x_1.
+#[inline(always)]
+pub(super) fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<()> {
+    let [x, to_eye, ..] = vertices else { return None };
+    let found = emission(view, &x.vertex, x.to_eye)?;
+    x.scatter = found.value;
+    x.forward = view.scene.lights().of(x.vertex.primitive)?.exitance();
+    to_eye.forward = x.per_area_there(found.pdf_to_eye);
+    Some(())
+}
+
+/// x_i, a surface between two others: f_s, and the densities of both neighbours.
+#[inline(always)]
+pub(super) fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
+    let [to_light, x, to_eye] = vertices.get_mut(i - 1..i + 2)? else { return None };
+    let found = view.scene.evaluate(&x.vertex, -to_light.to_eye, x.to_eye)?;
+    x.scatter = found.value;
+    to_eye.forward = x.per_area_there(found.pdf_to_eye);
+    to_light.reverse = to_light.per_area_here(found.pdf_to_light);
+    Some(())
+}
+
+/// x_k, the camera: W_e, and the density of x_{k−1}.
+#[inline(always)]
+pub(super) fn set_sensitivity(vertices: &mut [PathVertex], view: &View) -> Option<()> {
+    let [.., to_light, x] = vertices else { return None };
+    let found = sensitivity(view, x, -to_light.to_eye)?;
+    x.scatter = found.value;
+    x.reverse = 1.0;
+    to_light.reverse = to_light.per_area_here(found.pdf_to_light);
+    Some(())
+}
+
+/// Emitted radiance at x_0, and the density, per solid angle, of the direction that a light subpath starts into.
+/// `None`: nothing.
+#[inline(always)]
+pub(crate) fn emission(view: &View, x: &Vertex, to_eye: Vec3A) -> Option<Evaluation> {
+    if !x.emits {
+        return None;
+    }
+    let value = view.scene.emitted(x, to_eye);
+    let cos = x.geometric_normal.dot(to_eye);
+    let pdf = if view.scene.emits_both_sides(x) { 0.5 * cos.abs() } else { cos.max(0.0) } * FRAC_1_PI;
+    (value != Rgb::ZERO).then_some(Evaluation { value, pdf_to_eye: pdf, pdf_to_light: 0.0 })
+}
+
+/// Scattering and densities at a surface or, as W_e, at the camera; `None`: nothing.
+#[inline(always)]
+pub(crate) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
+    if x.vertex.is_camera() { sensitivity(view, x, to_light) } else { view.scene.evaluate(&x.vertex, to_light, to_eye) }
+}
+
+/// W_e, and the density of a direction to the light through a uniform point of the image; `None` behind the image.
+#[inline(always)]
+fn sensitivity(view: &View, x: &PathVertex, to_light: Vec3A) -> Option<Evaluation> {
+    let cos = x.vertex.geometric_normal.dot(to_light);
+    let value = Rgb::splat(view.camera.w_e(cos));
+    (cos > 0.0).then(|| Evaluation { value, pdf_to_eye: 0.0, pdf_to_light: view.camera.pdf(cos) })
+}

@@ -1,0 +1,119 @@
+//! Tracing of subpaths, one vertex at a time.
+//!
+//! Both kinds fill slots of one array in the order of the finished path: a light subpath grows towards larger indices,
+//! a camera subpath towards smaller ones. A finished path needs no turning round.
+
+use super::edge::Edge;
+use super::path_vertex::{PathVertex, set_edge};
+use crate::engine::{uniform, uniform_f32};
+use crate::transport::geometry::Vertex;
+use crate::transport::lights::LightRegion;
+use crate::transport::scene::{LightPoint, View};
+use glam::{Vec2, Vec3A};
+use rand_pcg::rand_core::Rng;
+
+/// Draws the numbers that x_0 is made from.
+#[inline(always)]
+pub(crate) fn light_numbers(rng: &mut impl Rng) -> [f64; 2] {
+    [uniform(rng), f64::from(uniform_f32(rng))]
+}
+
+/// Draws x_0 on `region` by power, with density M/power per area.
+#[inline(always)]
+pub(crate) fn start_at_light(view: &View, region: &LightRegion, [u, v]: [f64; 2]) -> (PathVertex, LightPoint) {
+    start_at(view, region.sample(u, v))
+}
+
+/// Draws x_0 on `region` for x_1, with density λ M/power per area; returns λ, the region's
+/// [`preference`](LightRegion::preference), as well.
+#[inline(always)]
+pub(crate) fn start_near(
+    view: &View,
+    region: &LightRegion,
+    x_1: &Vertex,
+    [u, v]: [f64; 2],
+) -> (PathVertex, LightPoint, f64) {
+    let (point, density) = region.next_event().sample(x_1, u, v);
+    let (x, point) = start_at(view, point);
+    (x, point, region.preference_of(density, x.forward))
+}
+
+#[inline(always)]
+fn start_at(view: &View, point: LightPoint) -> (PathVertex, LightPoint) {
+    let (light, vertex) = view.scene.light_point(&point);
+    let mut x = PathVertex::new(vertex);
+    x.forward = light.exitance();
+    (x, point)
+}
+
+/// Draws x_{i+1} from x_i, and sets the edge between them. The edge from x_{i−1} must be set.
+#[inline(always)]
+pub(crate) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
+    let x = &vertices[i].vertex;
+    let direction = match i {
+        0 => view.scene.sample_emission(x, rng),
+        _ => view.scene.sample(x, -vertices[i - 1].to_eye, rng)?,
+    };
+    follow_from_light(vertices, i, direction, view, rng)
+}
+
+/// Follows a direction from x_i to x_{i+1}, and sets the edge between them.
+#[inline(always)]
+pub(crate) fn follow_from_light(
+    vertices: &mut [PathVertex],
+    i: usize,
+    direction: Vec3A,
+    view: &View,
+    rng: &mut impl Rng,
+) -> Option<()> {
+    let (seen, passed) = view.scene.follow(&vertices[i].vertex, direction, rng)?;
+    vertices[i + 1] = PathVertex::new(seen);
+    let x = &mut vertices[i];
+    set_edge(x, Edge::along(direction, &x.vertex, &seen).veiled(passed));
+    Some(())
+}
+
+/// Follows the ray through a point of the image from the camera x_i to x_{i−1}, and sets the edge between them.
+#[inline(always)]
+pub(crate) fn start_at_eye(
+    vertices: &mut [PathVertex],
+    i: usize,
+    image: Vec2,
+    view: &View,
+    rng: &mut impl Rng,
+) -> Option<()> {
+    let direction = view.camera.direction(image);
+    let seen = view.scene.follow_ray(view.camera.origin(), direction, rng)?;
+    add_towards_light(vertices, i, direction, seen);
+    Some(())
+}
+
+/// Draws x_{i−1} from x_i, a surface, and sets the edge between them. The edge to x_{i+1} must be set.
+#[inline(always)]
+pub(crate) fn step_from_eye(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
+    let x = &vertices[i];
+    let direction = view.scene.sample(&x.vertex, x.to_eye, rng)?;
+    follow_from_eye(vertices, i, direction, view, rng)
+}
+
+/// Follows a direction from x_i to x_{i−1}, and sets the edge between them.
+#[inline(always)]
+pub(crate) fn follow_from_eye(
+    vertices: &mut [PathVertex],
+    i: usize,
+    direction: Vec3A,
+    view: &View,
+    rng: &mut impl Rng,
+) -> Option<()> {
+    let seen = view.scene.follow(&vertices[i].vertex, direction, rng)?;
+    add_towards_light(vertices, i, direction, seen);
+    Some(())
+}
+
+/// Sets x_{i−1}, seen from x_i in a direction through what lets a share pass, and the edge between them.
+#[inline(always)]
+fn add_towards_light(vertices: &mut [PathVertex], i: usize, direction: Vec3A, (seen, passed): (Vertex, f32)) {
+    let mut x = PathVertex::new(seen);
+    set_edge(&mut x, Edge::along(-direction, &seen, &vertices[i].vertex).veiled(passed));
+    vertices[i - 1] = x;
+}

@@ -1,0 +1,5 @@
+//! Cameras.
+
+mod pinhole;
+
+pub use pinhole::{Camera, CameraPose};

@@ -1,0 +1,148 @@
+//! The pinhole camera.
+
+use crate::transport::geometry::Vertex;
+use glam::{DVec3, Vec2, Vec3, Vec3A};
+
+/// Where the camera stands and what it takes in; the image's aspect ratio comes with its size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraPose {
+    /// Name in the scene file.
+    pub name: String,
+    /// World position.
+    pub position: DVec3,
+    /// Unit vector into the scene.
+    pub forward: Vec3,
+    /// Unit vector up in the image, at a right angle to `forward`.
+    pub up: Vec3,
+    /// Full vertical opening angle, radians.
+    pub vertical_fov: f32,
+    /// Width over height that the scene's author meant, if given.
+    pub aspect_ratio: Option<f32>,
+}
+
+/// A pinhole camera for images of a given size, in the scene's own coordinates.
+///
+/// Its importance is normalised over the image: ∫ W_e |cosθ| dω = 1, so ∫ f over all paths is the image's mean radiance.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    vertex: Vertex,
+    /// Where rays into the image start.
+    origin: Vec3A,
+    /// Half the image's width and height on the plane at distance 1, along the image's axes.
+    right: Vec3A,
+    down: Vec3A,
+    /// The same two, over their squared lengths and twice: what measures a point of that plane in images.
+    across: Vec3A,
+    along: Vec3A,
+    size: [u32; 2],
+    /// Area of the image on the plane at distance 1.
+    area: f32,
+    /// Whether a light may be smaller than a pixel.
+    tiny_lights: bool,
+}
+
+impl Camera {
+    pub(crate) fn new(pose: &CameraPose, position: Vec3, size: [u32; 2]) -> Self {
+        let half_height = (0.5 * pose.vertical_fov).tan();
+        let half_width = half_height * size[0] as f32 / size[1] as f32;
+        let right = Vec3A::from(half_width * pose.forward.cross(pose.up));
+        let down = Vec3A::from(-half_height * pose.up);
+        let vertex = Vertex::camera(position.into(), pose.forward.into());
+        Self {
+            vertex,
+            origin: vertex.origin(pose.forward.into()),
+            right,
+            down,
+            across: 0.5 * right / right.length_squared(),
+            along: 0.5 * down / down.length_squared(),
+            size,
+            area: 4.0 * half_width * half_height,
+            tiny_lights: false,
+        }
+    }
+
+    /// The camera among some lights, each given by its centre and area.
+    pub(crate) fn among(mut self, mut lights: impl Iterator<Item = (Vec3, f64)>) -> Self {
+        let pixel = f64::from(self.area) / f64::from(self.pixels());
+        let position = Vec3::from(self.vertex.position);
+        self.tiny_lights = lights.any(|(centre, area)| area < pixel * f64::from(position.distance_squared(centre)));
+        self
+    }
+
+    /// Whether a light may be smaller than a pixel: random camera rays hardly ever meet it.
+    #[inline]
+    pub fn has_tiny_lights(&self) -> bool {
+        self.tiny_lights
+    }
+
+    /// The vertex at the pinhole.
+    pub fn vertex(&self) -> Vertex {
+        self.vertex
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The same view in other pixels.
+    #[must_use]
+    pub fn with_size(&self, size: [u32; 2]) -> Self {
+        Self { size, ..self.clone() }
+    }
+
+    /// Number of pixels.
+    pub fn pixels(&self) -> u32 {
+        self.size[0] * self.size[1]
+    }
+
+    /// Unit direction through a point of the image, given in [0, 1)² from the top left corner.
+    #[inline]
+    pub fn direction(&self, image: Vec2) -> Vec3A {
+        self.step(image).normalize()
+    }
+
+    /// The same direction with the length that takes it to the plane at distance 1.
+    #[inline]
+    pub(crate) fn step(&self, image: Vec2) -> Vec3A {
+        let p = 2.0 * image - Vec2::ONE;
+        self.vertex.geometric_normal + p.x * self.right + p.y * self.down
+    }
+
+    /// Start of rays into the image: the [`origin`](Vertex::origin) of the pinhole, which is the same for all of them.
+    #[inline]
+    pub(crate) fn origin(&self) -> Vec3A {
+        self.origin
+    }
+
+    /// The point of the image that a direction from the pinhole passes through; `None` outside the image.
+    #[inline]
+    pub fn image_point(&self, direction: Vec3A) -> Option<Vec2> {
+        let cos = self.vertex.geometric_normal.dot(direction);
+        let image = Vec2::new(direction.dot(self.across), direction.dot(self.along)) / cos + 0.5;
+        let inside = cos > 0.0 && image.cmpge(Vec2::ZERO).all() && image.cmplt(Vec2::ONE).all();
+        inside.then_some(image)
+    }
+
+    /// Index of the pixel at a point of the image, row by row.
+    #[inline]
+    pub fn pixel(&self, image: Vec2) -> u32 {
+        let column = ((image.x * self.size[0] as f32) as u32).min(self.size[0] - 1);
+        let row = ((image.y * self.size[1] as f32) as u32).min(self.size[1] - 1);
+        row * self.size[0] + column
+    }
+
+    /// W_e, per area of the pinhole and sr: 1/(A cos⁴θ), A the image's area at distance 1.
+    ///
+    /// Source: [PharrJakobHumphreys16], section 16.1.1.
+    #[inline]
+    pub fn w_e(&self, cos: f32) -> f32 {
+        1.0 / (self.area * cos * cos * cos * cos)
+    }
+
+    /// Density per unit solid angle of the direction through a uniform point of the image, sr⁻¹: 1/(A cos³θ).
+    #[inline]
+    pub fn pdf(&self, cos: f32) -> f32 {
+        1.0 / (self.area * cos * cos * cos)
+    }
+}

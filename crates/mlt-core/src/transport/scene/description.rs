@@ -1,0 +1,33 @@
+//! What a scene loader hands to the renderer.
+
+use super::camera::CameraPose;
+use super::material::Material;
+use crate::transport::geometry::Mesh;
+
+/// A scene as its file says it: nothing derived yet.
+#[derive(Clone, Debug, Default)]
+pub struct SceneDescription {
+    /// Triangles, world space.
+    pub meshes: Vec<Mesh>,
+    /// Referred to by the meshes.
+    pub materials: Vec<Material>,
+    /// The first one is the default; empty: the caller has to choose one.
+    pub cameras: Vec<CameraPose>,
+}
+
+/// What a scene's file calls a surface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SurfaceName {
+    /// Name of the mesh.
+    pub mesh: String,
+    /// Name of its material.
+    pub material: String,
+}
+
+impl SceneDescription {
+    /// What the file calls the surface of a mesh, given by its number.
+    pub fn surface_name(&self, mesh: u32) -> SurfaceName {
+        let Mesh { name, material, .. } = &self.meshes[mesh as usize];
+        SurfaceName { mesh: name.clone(), material: self.materials[*material as usize].name.clone() }
+    }
+}

@@ -1,0 +1,6 @@
+//! Lights.
+
+mod area;
+
+pub use area::{Light, LightPoint};
+pub(crate) use area::{Piece, Shape};

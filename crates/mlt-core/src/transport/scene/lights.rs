@@ -1,0 +1,142 @@
+//! All lights of a scene.
+
+use super::light::{Light, LightPoint};
+use super::material::Material;
+use crate::transport::geometry::{Mesh, hilbert};
+use glam::{DVec3, Vec3, Vec3A};
+use rayon::prelude::*;
+
+/// No light, in the table of primitives.
+const NONE: u32 = u32::MAX;
+
+/// The lights, and which triangle belongs to which.
+#[derive(Clone, Debug, Default)]
+pub struct Lights {
+    /// In the order of the meshes; a mesh's parallelograms first, then the rest of it as one light.
+    pub lights: Vec<Light>,
+    /// Of each triangle: its light and its number within that light.
+    of_primitive: Vec<(u32, u32)>,
+}
+
+impl Lights {
+    /// Finds the lights among `meshes`. `primitives` holds, mesh by mesh, the triangles as the scene keeps them.
+    pub(crate) fn new(meshes: &[Mesh], materials: &[Material], primitives: &[[Vec3; 3]]) -> Self {
+        let mut lights = Self { lights: Vec::new(), of_primitive: vec![(NONE, 0); primitives.len()] };
+        let mut first = 0;
+        for mesh in meshes {
+            let material = &materials[mesh.material as usize];
+            if material.emission.max_element() > 0.0 {
+                lights.add_mesh(mesh, first, primitives, material);
+            }
+            first += mesh.triangles.len();
+        }
+        lights
+    }
+
+    /// The light of a triangle.
+    #[inline]
+    pub fn of(&self, primitive: u32) -> Option<&Light> {
+        self.lights.get(self.of_primitive[primitive as usize].0 as usize)
+    }
+
+    /// The light of a triangle that emits, and its number within it.
+    #[inline]
+    pub(crate) fn number(&self, primitive: u32) -> Option<(u32, u32)> {
+        let number = self.of_primitive[primitive as usize];
+        (number.0 != NONE).then_some(number)
+    }
+
+    /// The light point at `position` of a triangle that emits.
+    pub fn point(&self, primitive: u32, position: Vec3A) -> Option<LightPoint> {
+        let (light, index) = self.of_primitive[primitive as usize];
+        let (u, v) = self.lights.get(light as usize)?.coordinates(index, position.into());
+        Some(LightPoint { light, u, v })
+    }
+
+    /// Σ power.
+    pub fn power(&self) -> f64 {
+        self.lights.iter().map(Light::power).sum()
+    }
+
+    fn add_mesh(&mut self, mesh: &Mesh, first: usize, primitives: &[[Vec3; 3]], material: &Material) {
+        let mut rest = Vec::new();
+        for component in components(mesh) {
+            let [a, b] = component[..] else {
+                rest.extend(component);
+                continue;
+            };
+            match parallelogram(primitives[first + a], primitives[first + b]) {
+                Some((origin, edges)) => {
+                    let both = [first + a, first + b];
+                    self.push(Light::parallelogram(origin, edges, both.map(|p| p as u32)), material, &both);
+                }
+                None => rest.extend([a, b]),
+            }
+        }
+        let area = |i: &usize| {
+            let [a, b, c] = primitives[first + i];
+            (b - a).cross(c - a).length() > 0.0
+        };
+        rest.retain(area);
+        rest.sort_unstable();
+        let centres: Vec<_> = rest.iter().map(|i| primitives[first + i].iter().sum::<Vec3>() / 3.0).collect();
+        // Any interval of the light's u is then a compact patch.
+        let list: Vec<_> = hilbert::order(&centres).into_iter().map(|i| first + rest[i as usize]).collect();
+        if let Some(light) = Light::triangles(list.iter().map(|&p| (p as u32, primitives[p]))) {
+            self.push(light, material, &list);
+        }
+    }
+
+    fn push(&mut self, light: Light, material: &Material, primitives: &[usize]) {
+        let id = self.lights.len() as u32;
+        for (index, &p) in (0..).zip(primitives) {
+            self.of_primitive[p] = (id, index);
+        }
+        let area = light.area * f64::from(material.opacity);
+        self.lights.push(Light { emission: material.emission, both_sides: material.emits_both_sides, area, ..light });
+    }
+}
+
+/// Groups of triangles that share a corner's position, in the order of their first triangles.
+fn components(mesh: &Mesh) -> Vec<Vec<usize>> {
+    let key = |p: DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
+    let corners = mesh.triangles.iter().enumerate().flat_map(|(i, t)| t.map(|c| (i, c)));
+    let mut corners: Vec<_> = corners.map(|(i, c)| (key(mesh.positions[c as usize]), i)).collect();
+    corners.par_sort_unstable();
+    let mut parent: Vec<usize> = (0..mesh.triangles.len()).collect();
+    fn root(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    for pair in corners.windows(2) {
+        if pair[0].0 == pair[1].0 {
+            let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); parent.len()];
+    for i in 0..parent.len() {
+        groups[root(&mut parent, i)].push(i);
+    }
+    groups.retain(|g| !g.is_empty());
+    groups
+}
+
+/// Corner and edges of the parallelogram that two triangles form, oriented as they are.
+fn parallelogram(a: [Vec3; 3], b: [Vec3; 3]) -> Option<(Vec3, [Vec3; 2])> {
+    let shared = |p: &Vec3, other: &[Vec3; 3]| other.contains(p);
+    let i = (0..3).find(|&i| !shared(&a[i], &b))?;
+    let fourth = b.iter().find(|p| !shared(p, &a))?;
+    let (origin, p, q) = (a[i], a[(i + 1) % 3], a[(i + 2) % 3]);
+    if !(shared(&p, &b) && shared(&q, &b)) {
+        return None;
+    }
+    let edges = [p - origin, q - origin];
+    let size = edges[0].length() + edges[1].length();
+    let same_side = (b[1] - b[0]).cross(b[2] - b[0]).dot(edges[0].cross(edges[1])) > 0.0;
+    let closes = (origin + edges[0] + edges[1]).distance(*fourth) < 1e-5 * size;
+    (same_side && closes).then_some((origin, edges))
+}

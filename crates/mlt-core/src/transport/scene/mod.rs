@@ -1,0 +1,321 @@
+//! The scene as the renderer uses it.
+
+mod camera;
+mod description;
+mod light;
+mod lights;
+mod material;
+mod primitive;
+mod surface;
+mod ties;
+mod veil;
+mod view;
+
+use crate::transport::accel::{Accel, coarse_size};
+use crate::transport::colour::Rgb;
+use crate::transport::geometry::{ERROR_FACTOR, Hit, Mesh, Ray, Space, Vertex};
+use glam::{Vec3, Vec3A};
+use primitive::{FLAT, Primitive, primitives};
+use std::cell::Cell;
+use ties::{Surfaces, Ties};
+
+pub use camera::{Camera, CameraPose};
+pub use description::{SceneDescription, SurfaceName};
+pub use light::{Light, LightPoint};
+pub(crate) use light::{Piece, Shape};
+pub use lights::Lights;
+pub use material::Material;
+pub use surface::Sampled;
+pub use view::View;
+
+/// What makes a scene unusable.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// There is nothing to see.
+    #[error("the scene has no triangle")]
+    NoTriangle,
+    /// There is nothing to see it by.
+    #[error("the scene has no light: give a material an emission (glTF emissiveFactor, MTL Ke)")]
+    NoLight,
+    /// A mesh refers to a vertex or material that does not exist.
+    #[error("mesh \"{mesh}\" refers to {what} {index}, which does not exist")]
+    BadIndex {
+        /// Name of the mesh.
+        mesh: String,
+        /// "vertex" or "material".
+        what: &'static str,
+        /// The index.
+        index: usize,
+    },
+    /// More triangles than a 32-bit index can name.
+    #[error("the scene has {0} triangles; at most {max} are supported", max = Scene::MOST_TRIANGLES)]
+    TooLarge(usize),
+}
+
+/// Triangles, materials and lights, in coordinates of the renderer's own.
+pub struct Scene {
+    accel: Accel,
+    primitives: Vec<Primitive>,
+    normals: Vec<[Vec3; 3]>,
+    materials: Vec<Material>,
+    lights: Lights,
+    space: Space,
+    ties: Ties,
+    overlaps: Vec<[SurfaceName; 2]>,
+    dropped: usize,
+    /// Whether any surface is not opaque.
+    is_veiled: bool,
+}
+
+thread_local! {
+    static RAYS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Rays that this thread has traced since it started; differences of it are what a task has traced.
+pub fn rays_traced() -> u64 {
+    RAYS.get()
+}
+
+impl Scene {
+    /// Most triangles in a scene.
+    pub const MOST_TRIANGLES: usize = 1 << 27;
+
+    /// Memory for each triangle at the peak of [`new`](Self::new), bytes, with that of the description: measured.
+    pub const BYTES_PER_TRIANGLE: u64 = 420;
+
+    /// Further memory for a triangle that emits, bytes: measured.
+    pub const BYTES_PER_EMITTER: u64 = 210;
+
+    /// Builds the acceleration structure and finds the lights.
+    ///
+    /// # Errors
+    /// If there is no triangle or no light, or a mesh refers to what is not there.
+    pub fn new(mut description: SceneDescription) -> Result<Self, SceneError> {
+        check(&description)?;
+        let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
+        drop_invisible(&mut description);
+        let SceneDescription { meshes, materials, .. } = &description;
+        let is_veiled = meshes.iter().any(|mesh| materials[mesh.material as usize].opacity < 1.0);
+        let space =
+            Space::around(meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
+        let (mut primitives, normals) = primitives(&description, &space);
+        let triangles: Vec<_> = primitives.iter().map(|p: &Primitive| p.vertices).collect();
+        if triangles.is_empty() {
+            return Err(SceneError::NoTriangle);
+        }
+        let lights = Lights::new(meshes, materials, &triangles);
+        if lights.lights.is_empty() {
+            return Err(SceneError::NoLight);
+        }
+        let coarse_size = coarse_size(&triangles);
+        primitives.iter_mut().for_each(|p| p.set_error(coarse_size));
+        let mesh_of: Vec<_> = (0..).zip(meshes).flat_map(|(i, m)| std::iter::repeat_n(i, m.triangles.len())).collect();
+        let ties = Ties::resolve(&mut primitives, materials, &mesh_of);
+        let overlaps = ties.overlaps().map(|pair| pair.map(|mesh| description.surface_name(mesh))).collect();
+        description.meshes = Vec::new();
+        let accel = Accel::new(&triangles);
+        let materials = description.materials;
+        Ok(Self { accel, primitives, normals, materials, lights, space, ties, overlaps, dropped, is_veiled })
+    }
+
+    /// A camera in this scene, for images of `size` pixels.
+    pub fn camera(&self, pose: &CameraPose, size: [u32; 2]) -> Camera {
+        let lights = self.lights.lights.iter().map(|light| (light.centre(), light.area));
+        Camera::new(pose, self.space.point(pose.position), size).among(lights)
+    }
+
+    /// The lights.
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// Whether a surface scatters into discrete directions only.
+    pub fn has_specular(&self) -> bool {
+        self.materials.iter().any(|m| m.bsdf.is_delta())
+    }
+
+    /// The materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.primitives.len()
+    }
+
+    /// Triangles left out because a corner's position was not finite.
+    pub fn dropped(&self) -> usize {
+        self.dropped
+    }
+
+    /// Pairs of surfaces that lie in one plane and overlap, a light one of them; where they do, only the first is there.
+    pub fn overlaps(&self) -> &[[SurfaceName; 2]] {
+        &self.overlaps
+    }
+
+    /// The first surface along a direction, of any length, from a vertex.
+    #[inline(always)]
+    pub fn trace(&self, from: &Vertex, direction: Vec3A) -> Option<Vertex> {
+        self.trace_ray(from.origin(direction), direction)
+    }
+
+    /// The first surface along a direction, of any length, from a point that is on no surface.
+    #[inline(always)]
+    pub(crate) fn trace_ray(&self, origin: Vec3A, direction: Vec3A) -> Option<Vertex> {
+        RAYS.set(RAYS.get() + 1);
+        let ray = Ray::new(origin.into(), direction.into());
+        let hit = self.accel.closest(&ray)?;
+        Some(self.vertex(&hit, &ray))
+    }
+
+    /// Whether nothing stands between two vertices.
+    #[inline(always)]
+    pub fn visible(&self, a: &Vertex, b: &Vertex) -> bool {
+        RAYS.set(RAYS.get() + 1);
+        let [from, to] = Self::segment(a, b);
+        !self.accel.occluded(&Ray { origin: from.into(), direction: (to - from).into(), t_max: 1.0 })
+    }
+
+    /// The ends of a ray between two vertices, off their surfaces.
+    ///
+    /// It starts where coordinates are finer: its end is rounded in proportion to its length, which would put it behind
+    /// a small surface that is seen from a large one.
+    #[inline(always)]
+    fn segment(a: &Vertex, b: &Vertex) -> [Vec3A; 2] {
+        let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
+        let towards_b = b.position - a.position;
+        [a.origin(towards_b), b.origin(-towards_b)]
+    }
+
+    /// The light and the vertex at a point of the lights.
+    #[inline(always)]
+    pub(crate) fn light_point(&self, point: &LightPoint) -> (&Light, Vertex) {
+        let light = &self.lights.lights[point.light as usize];
+        let (primitive, position) = light.at(point.u, point.v);
+        let vertex = self.vertex_at(primitive, position.into(), None);
+        let p = &self.primitives[primitive as usize];
+        if p.coarse {
+            // It is interpolated in f32, not found in f64.
+            return (light, Vertex { error: vertex.error.max(ERROR_FACTOR * p.reach()), ..vertex });
+        }
+        (light, vertex)
+    }
+
+    /// The material of a vertex on a surface.
+    #[inline(always)]
+    pub(crate) fn material(&self, vertex: &Vertex) -> &Material {
+        &self.materials[vertex.material as usize]
+    }
+
+    /// Whether a light emits from both of its sides.
+    #[inline]
+    pub(crate) fn emits_both_sides(&self, vertex: &Vertex) -> bool {
+        self.material(vertex).emits_both_sides
+    }
+
+    /// Radiance that a vertex emits into a direction; none where another surface is seen in its place.
+    #[inline(always)]
+    pub fn emitted(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
+        let material = self.material(vertex);
+        let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
+        if lit && !(vertex.shared && self.seen(vertex.primitive, vertex.position, direction) != vertex.primitive) {
+            material.emission
+        } else {
+            Rgb::ZERO
+        }
+    }
+
+    #[inline(always)]
+    fn vertex(&self, hit: &Hit, ray: &Ray) -> Vertex {
+        let p = &self.primitives[hit.primitive as usize];
+        if p.coarse | p.shared { self.vertex_apart(hit, ray) } else { self.interpolated(hit) }
+    }
+
+    /// The vertex of a hit on a triangle that is coarse or shares its place.
+    #[cold]
+    fn vertex_apart(&self, hit: &Hit, ray: &Ray) -> Vertex {
+        let position = Vec3A::from(ray.at(ray.plane_parameter(self.primitives[hit.primitive as usize].vertices)));
+        let primitive = self.seen(hit.primitive, position, Vec3A::from(-ray.direction));
+        let p = &self.primitives[primitive as usize];
+        let [u, v] =
+            if primitive == hit.primitive { Some([hit.u, hit.v]) } else { p.weights(position) }.unwrap_or_default();
+        let vertex = self.interpolated(&Hit { primitive, u, v, ..*hit });
+        if !p.coarse {
+            return vertex;
+        }
+        let error = vertex.error.max(ERROR_FACTOR * position.abs().max_element());
+        Vertex { position: ray.at(ray.plane_parameter(p.vertices)).into(), error, ..vertex }
+    }
+
+    /// Which of the triangles at a point of one is seen from a direction.
+    #[cold]
+    fn seen(&self, primitive: u32, position: Vec3A, towards: Vec3A) -> u32 {
+        let surfaces = Surfaces { primitives: &self.primitives, materials: &self.materials };
+        self.ties.winner(surfaces, primitive, position, towards)
+    }
+
+    #[inline(always)]
+    fn interpolated(&self, hit: &Hit) -> Vertex {
+        let p = &self.primitives[hit.primitive as usize];
+        let mix = |corners: [Vec3; 3]| {
+            let [a, b, c] = corners.map(Vec3A::from);
+            (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c
+        };
+        let smooth = (p.normals != FLAT).then(|| mix(self.normals[p.normals as usize]));
+        self.vertex_at(hit.primitive, mix(p.vertices), smooth)
+    }
+
+    #[inline(always)]
+    fn vertex_at(&self, primitive: u32, position: Vec3A, smooth_normal: Option<Vec3A>) -> Vertex {
+        let p = &self.primitives[primitive as usize];
+        let normal = Vec3A::from(p.normal);
+        let shading_normal = match smooth_normal {
+            None => normal,
+            Some(n) => n.normalize_or(normal) * 1f32.copysign(n.dot(normal)),
+        };
+        Vertex {
+            position,
+            geometric_normal: normal,
+            shading_normal,
+            primitive,
+            material: p.material,
+            error: p.error,
+            delta: p.delta,
+            emits: p.emits,
+            shared: p.shared,
+        }
+    }
+}
+
+fn check(description: &SceneDescription) -> Result<(), SceneError> {
+    let total: usize = description.meshes.iter().map(|m| m.triangles.len()).sum();
+    if total > Scene::MOST_TRIANGLES {
+        return Err(SceneError::TooLarge(total));
+    }
+    for mesh in &description.meshes {
+        let bad = |what, index: u32| SceneError::BadIndex { mesh: mesh.name.clone(), what, index: index as usize };
+        if mesh.material as usize >= description.materials.len() {
+            return Err(bad("material", mesh.material));
+        }
+        if let Some(&i) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= mesh.positions.len()) {
+            return Err(bad("vertex", i));
+        }
+    }
+    Ok(())
+}
+
+/// Drops meshes of opacity 0: no surface is there.
+fn drop_invisible(description: &mut SceneDescription) {
+    let SceneDescription { meshes, materials, .. } = description;
+    meshes.retain(|mesh| materials[mesh.material as usize].opacity > 0.0);
+}
+
+/// Drops triangles with a corner that is not finite; returns how many.
+fn drop_unusable(mesh: &mut Mesh) -> usize {
+    let before = mesh.triangles.len();
+    let Mesh { positions, triangles, .. } = mesh;
+    triangles.retain(|t| t.iter().all(|&i| positions[i as usize].is_finite()));
+    before - triangles.len()
+}

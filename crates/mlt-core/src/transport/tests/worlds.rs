@@ -1,0 +1,235 @@
+//! Small scenes for tests.
+
+use crate::transport::bsdf::{Bsdf, Lambert, MetallicRoughness};
+use crate::transport::colour::Rgb;
+use crate::transport::geometry::Mesh;
+use crate::transport::scene::{Camera, CameraPose, Material, Scene, SceneDescription, View};
+use glam::{DVec3, Vec3};
+use std::f64::consts::{PI, TAU};
+
+/// A scene with a camera.
+pub(crate) struct World {
+    pub scene: Scene,
+    pub camera: Camera,
+}
+
+impl World {
+    pub fn view(&self) -> View<'_> {
+        View { scene: &self.scene, camera: &self.camera }
+    }
+}
+
+/// A description that grows mesh by mesh.
+#[derive(Default)]
+pub(crate) struct Builder(SceneDescription);
+
+impl Builder {
+    /// A surface that only scatters.
+    pub fn surface(self, mesh: Mesh, bsdf: Bsdf) -> Self {
+        self.mesh(
+            mesh,
+            Material { name: String::new(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 },
+        )
+    }
+
+    /// A surface that only emits.
+    pub fn light(self, mesh: Mesh, emission: Rgb, emits_both_sides: bool) -> Self {
+        self.mesh(mesh, Material { name: String::new(), bsdf: Bsdf::Black, emission, emits_both_sides, opacity: 1.0 })
+    }
+
+    pub fn mesh(mut self, mesh: Mesh, material: Material) -> Self {
+        self.0.meshes.push(Mesh { material: self.0.materials.len() as u32, ..mesh });
+        self.0.materials.push(material);
+        self
+    }
+
+    /// Seen from `from` towards `to`.
+    pub fn seen(self, from: DVec3, to: DVec3, fov: f32, size: [u32; 2]) -> World {
+        let forward = (to - from).as_vec3().normalize();
+        let side = forward.cross(if forward.y.abs() < 0.9 { Vec3::Y } else { Vec3::NEG_Z }).normalize();
+        let pose = CameraPose {
+            name: String::new(),
+            position: from,
+            forward,
+            up: side.cross(forward),
+            vertical_fov: fov.to_radians(),
+            aspect_ratio: None,
+        };
+        let scene = Scene::new(self.0).unwrap();
+        let camera = scene.camera(&pose, size);
+        World { scene, camera }
+    }
+}
+
+pub(crate) fn lambert(reflectance: Rgb) -> Bsdf {
+    Bsdf::Lambert(Lambert { reflectance })
+}
+
+/// Two triangles, counter-clockwise seen from where a, b, c, d are.
+pub(crate) fn quad(corners: [DVec3; 4]) -> Mesh {
+    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+}
+
+/// A ball, with smooth shading normals on few flat faces.
+pub(crate) fn ball(centre: DVec3, radius: f64, smooth: bool) -> Mesh {
+    let (rows, columns) = (6u32, 9u32);
+    let direction = |i: u32, j: u32| {
+        let (theta, phi) = (PI * f64::from(i) / f64::from(rows), TAU * f64::from(j) / f64::from(columns));
+        DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin())
+    };
+    let grid = || (0..=rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+    let index = |i: u32, j: u32| i * columns + j % columns;
+    let faces = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+    let triangles = faces.flat_map(|(i, j)| {
+        let [a, b, c, d] = [index(i, j), index(i, j + 1), index(i + 1, j + 1), index(i + 1, j)];
+        let upper = (i > 0).then_some([a, b, c]);
+        upper.into_iter().chain((i + 1 < rows).then_some([a, c, d]))
+    });
+    Mesh {
+        positions: grid().map(|(i, j)| centre + radius * direction(i, j)).collect(),
+        normals: if smooth { grid().map(|(i, j)| direction(i, j).as_vec3()).collect() } else { Vec::new() },
+        triangles: triangles.collect(),
+        ..Mesh::default()
+    }
+}
+
+/// A box open to the camera, with coloured walls and a rectangular light under its ceiling.
+pub(crate) fn walls() -> Builder {
+    let v = DVec3::new;
+    let white = || lambert(Rgb::splat(0.7));
+    Builder::default()
+        .surface(quad([v(-1., -1., 1.), v(1., -1., 1.), v(1., -1., -1.), v(-1., -1., -1.)]), white())
+        .surface(quad([v(-1., 1., -1.), v(1., 1., -1.), v(1., 1., 1.), v(-1., 1., 1.)]), white())
+        .surface(quad([v(-1., -1., -1.), v(1., -1., -1.), v(1., 1., -1.), v(-1., 1., -1.)]), white())
+        .surface(
+            quad([v(-1., -1., 1.), v(-1., -1., -1.), v(-1., 1., -1.), v(-1., 1., 1.)]),
+            lambert(Rgb::new(0.6, 0.1, 0.1)),
+        )
+        .surface(
+            quad([v(1., -1., -1.), v(1., -1., 1.), v(1., 1., 1.), v(1., 1., -1.)]),
+            lambert(Rgb::new(0.1, 0.5, 0.1)),
+        )
+        .light(
+            quad([v(-0.4, 0.95, -0.3), v(0.4, 0.95, -0.3), v(0.4, 0.95, 0.3), v(-0.4, 0.95, 0.3)]),
+            Rgb::new(5.0, 4.0, 3.0),
+            false,
+        )
+}
+
+/// The box with a ball of some material in it.
+pub(crate) fn room(bsdf: Bsdf, smooth: bool) -> World {
+    see(walls().surface(ball(DVec3::new(0.1, -0.35, 0.1), 0.5, smooth), bsdf))
+}
+
+/// The box with two balls and a second light, a two-sided triangle.
+pub(crate) fn two_lights(left: Bsdf, right: Bsdf) -> World {
+    let v = DVec3::new;
+    let triangle = Mesh {
+        positions: vec![v(-0.8, -0.2, -0.8), v(-0.3, -0.2, -0.9), v(-0.6, 0.3, -0.7)],
+        triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
+    };
+    see(walls()
+        .surface(ball(v(-0.4, -0.6, 0.2), 0.35, true), left)
+        .surface(ball(v(0.45, -0.5, 0.0), 0.4, false), right)
+        .light(triangle, Rgb::new(2.0, 3.0, 6.0), true))
+}
+
+/// The box with a ball that emits and reflects.
+pub(crate) fn glowing() -> World {
+    let material = Material { emission: Rgb::new(2.0, 3.0, 6.0), ..veil(lambert(Rgb::splat(0.7)), 1.0) };
+    see(walls().mesh(ball(DVec3::new(0.2, -0.3, 0.1), 0.5, true), material))
+}
+
+/// The box with a small ball of light in one corner, a large panel that faces away from it, and one with two faces.
+pub(crate) fn lamps() -> World {
+    let panel = |x: f64, z: f64| -> [DVec3; 4] {
+        [[x, 0.2, z], [x, 0.2, z + 0.5], [x, 0.7, z + 0.5], [x, 0.7, z]].map(DVec3::from_array)
+    };
+    walls()
+        .light(ball(DVec3::new(0.2, 0.3, -0.4), 0.05, false), Rgb::new(5.0, 4.0, 3.0), false)
+        .light(quad(panel(0.9, 0.1)), Rgb::ONE, false)
+        .light(quad(panel(-0.3, -0.7)), Rgb::splat(2.0), true)
+        .surface(ball(DVec3::new(-0.2, 0.0, 0.3), 0.2, true), lambert(Rgb::splat(0.5)))
+        .seen(DVec3::new(0.0, 0.4, 0.9), DVec3::ZERO, 60.0, [8, 8])
+}
+
+/// Water under a bright ceiling, from steep to grazing angles: nothing is seen but what the Fresnel term reflects.
+pub(crate) fn pond() -> World {
+    let v = DVec3::new;
+    Builder::default()
+        .surface(quad([v(-20., 0., 20.), v(20., 0., 20.), v(20., 0., -20.), v(-20., 0., -20.)]), glass(0.0))
+        .light(quad([v(-20., 3., -20.), v(20., 3., -20.), v(20., 3., 20.), v(-20., 3., 20.)]), Rgb::ONE, false)
+        .seen(v(0., 1., 4.), v(0., 0., 3.), 80.0, [16, 16])
+}
+
+/// A material that is there for the share `opacity`.
+pub(crate) fn veil(bsdf: Bsdf, opacity: f32) -> Material {
+    Material { name: String::new(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity }
+}
+
+/// A curtain across the box, parallel to its back.
+pub(crate) fn curtain(z: f64) -> Mesh {
+    let v = DVec3::new;
+    quad([v(-1., -1., z), v(1., -1., z), v(1., 1., z), v(-1., 1., z)])
+}
+
+/// The box with a thin curtain, a faint ball of gloss and one of mirror, and a faint lamp. All τ are powers of two.
+pub(crate) fn veils() -> World {
+    let v = DVec3::new;
+    let lamp = Material { emission: Rgb::new(2.0, 3.0, 6.0), emits_both_sides: true, ..veil(Bsdf::Black, 0.5) };
+    see(walls()
+        .mesh(curtain(0.5), veil(lambert(Rgb::splat(0.5)), 0.5))
+        .mesh(ball(v(-0.4, -0.5, 0.2), 0.4, true), veil(glossy(), 0.75))
+        .mesh(ball(v(0.45, -0.5, 0.0), 0.4, true), veil(mirror(), 0.5))
+        .mesh(ball(v(-0.5, 0.5, -0.5), 0.2, false), lamp))
+}
+
+/// The view into the box.
+fn see(builder: Builder) -> World {
+    builder.seen(DVec3::new(0.2, 0.1, 3.4), DVec3::ZERO, 38.0, [16, 16])
+}
+
+fn material(parameters: MetallicRoughness) -> Bsdf {
+    parameters.bsdf()
+}
+
+pub(crate) fn mirror() -> Bsdf {
+    material(MetallicRoughness { roughness: 0.0, base_color: Rgb::new(0.9, 0.8, 0.6), ..Default::default() })
+}
+
+pub(crate) fn rough_metal() -> Bsdf {
+    material(MetallicRoughness { roughness: 0.5, base_color: Rgb::new(0.9, 0.8, 0.6), ..Default::default() })
+}
+
+pub(crate) fn glossy() -> Bsdf {
+    material(MetallicRoughness {
+        roughness: 0.4,
+        metallic: 0.0,
+        base_color: Rgb::new(0.2, 0.3, 0.6),
+        ..Default::default()
+    })
+}
+
+/// Glass, or frosted glass with a positive roughness.
+pub(crate) fn glass(roughness: f32) -> Bsdf {
+    material(MetallicRoughness { roughness, metallic: 0.0, transmission: 1.0, thin: false, ..Default::default() })
+}
+
+/// Every kind of surface that a ball may be of, by name.
+pub(crate) fn worlds() -> Vec<(&'static str, World)> {
+    vec![
+        ("diffuse", room(lambert(Rgb::splat(0.5)), false)),
+        ("shading normals", room(lambert(Rgb::splat(0.5)), true)),
+        ("mirror", room(mirror(), true)),
+        ("rough metal", room(rough_metal(), true)),
+        ("coated", room(glossy(), false)),
+        ("glass", room(glass(0.0), false)),
+        ("glass with shading normals", room(glass(0.0), true)),
+        ("frosted glass", room(glass(0.4), false)),
+        ("two lights", two_lights(glass(0.0), mirror())),
+        ("veils", veils()),
+        ("glowing ball", glowing()),
+        ("lamps", lamps()),
+    ]
+}
