@@ -25,7 +25,8 @@ impl Stage {
 
     fn changed(name: &str, size: [u32; 2], change: impl Fn(&mut f64)) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}/{name}.gltf"));
-        let mut description = mlt_scene::load(&path).expect("a scene").description;
+        let loaded = mlt_scene::builtin(name).unwrap_or_else(|| mlt_scene::load(&path));
+        let mut description = loaded.expect("a scene").description;
         description.meshes.iter_mut().flat_map(|m| &mut m.positions).for_each(|p| change(&mut p.y));
         let pose = description.cameras[0].clone();
         let scene = Scene::new(description).expect("usable");

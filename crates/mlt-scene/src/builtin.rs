@@ -12,8 +12,8 @@ pub const BUILTIN: &[&str] = &["cornell", "ring", "suzanne"];
 macro_rules! embed {
     ($name:literal) => {
         &[
-            (concat!($name, ".gltf"), include_bytes!(concat!("../../../scenes/", $name, "/", $name, ".gltf"))),
-            (concat!($name, ".bin"), include_bytes!(concat!("../../../scenes/", $name, "/", $name, ".bin"))),
+            (concat!($name, ".gltf"), include_bytes!(concat!("../scenes/", $name, "/", $name, ".gltf"))),
+            (concat!($name, ".bin"), include_bytes!(concat!("../scenes/", $name, "/", $name, ".bin"))),
         ]
     };
 }
