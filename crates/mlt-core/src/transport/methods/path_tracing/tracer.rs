@@ -7,11 +7,12 @@
 //!
 //! Source: [Veach97], section 9.3 (the two techniques of direct lighting, power heuristic).
 
-use super::sobol::OwenSobol;
 use crate::engine::{uniform, uniform_f32};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::lights::NextEvent;
+use crate::transport::methods::independent::ImageSampler;
+use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::{Kind, LightEnd, PathEnd};
 use crate::transport::scene::{LightPoint, Sampled, View};
 use glam::{DVec3, Vec2, Vec3A};
@@ -52,6 +53,20 @@ struct Walk {
     edges: usize,
     /// Whether it came here by specular surfaces alone.
     straight: bool,
+}
+
+impl ImageSampler for PathTracer<'_> {
+    fn size(&self) -> [u32; 2] {
+        self.view.camera.size()
+    }
+
+    #[inline(always)]
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+        if self.view.camera.has_tiny_lights() {
+            self.see_light(rng, visit);
+        }
+        self.sample(image, rng, &mut |radiance, end| visit(None, radiance, end));
+    }
 }
 
 impl PathTracer<'_> {
