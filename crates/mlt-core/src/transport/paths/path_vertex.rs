@@ -115,7 +115,7 @@ pub(super) fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<(
 #[inline(always)]
 pub(super) fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
     let [to_light, x, to_eye] = vertices.get_mut(i - 1..i + 2)? else { return None };
-    let found = view.scene.evaluate(&x.vertex, -to_light.to_eye, x.to_eye)?;
+    let found = view.scene.surface(&x.vertex).evaluate(-to_light.to_eye, x.to_eye)?;
     x.scatter = found.value;
     to_eye.forward = x.per_area_there(found.pdf_to_eye);
     to_light.reverse = to_light.per_area_here(found.pdf_to_light);
@@ -149,7 +149,11 @@ pub(crate) fn emission(view: &View, x: &Vertex, to_eye: Vec3A) -> Option<Evaluat
 /// Scattering and densities at a surface or, as W_e, at the camera; `None`: nothing.
 #[inline(always)]
 pub(crate) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
-    if x.vertex.is_camera() { sensitivity(view, x, to_light) } else { view.scene.evaluate(&x.vertex, to_light, to_eye) }
+    if x.vertex.is_camera() {
+        sensitivity(view, x, to_light)
+    } else {
+        view.scene.surface(&x.vertex).evaluate(to_light, to_eye)
+    }
 }
 
 /// W_e, and the density of a direction to the light through a uniform point of the image; `None` behind the image.

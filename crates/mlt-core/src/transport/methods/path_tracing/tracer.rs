@@ -158,7 +158,7 @@ impl PathTracer<'_> {
         if !inverse_square.is_finite() || emitted == Rgb::ZERO {
             return None;
         }
-        let found = scene.evaluate(&walk.vertex, to_light, walk.to_eye)?;
+        let found = scene.surface(&walk.vertex).evaluate(to_light, walk.to_eye)?;
         let passed = scene.transmittance(&walk.vertex, &source);
         if passed == 0.0 {
             return None;
@@ -204,7 +204,8 @@ impl PathTracer<'_> {
     #[inline(always)]
     fn scatter(&self, walk: &mut Walk, rng: &mut impl Rng) -> Option<()> {
         let scene = self.view.scene;
-        let Sampled { to_light: direction, weight, pdf } = scene.sample_to_light(&walk.vertex, walk.to_eye, rng)?;
+        let Sampled { to_light: direction, weight, pdf } =
+            scene.surface(&walk.vertex).sample_to_light(walk.to_eye, rng)?;
         walk.throughput *= weight;
         if walk.edges >= CERTAIN_BOUNCES {
             // The root makes paths longer than their throughput alone: less noise for the time (docs/performance.md).

@@ -110,7 +110,7 @@ mod tests {
         let events = |path: &LightPath| -> f64 {
             let probability = |i: usize| {
                 let x = &path.vertices[i];
-                world.scene.event_probability(&x.vertex, x.to_eye, -path.vertices[i - 1].to_eye)
+                world.scene.surface(&x.vertex).event_probability(x.to_eye, -path.vertices[i - 1].to_eye)
             };
             (first_diffuse(path, path.edges()) + 1..path.edges()).map(|i| f64::from(probability(i))).product()
         };
