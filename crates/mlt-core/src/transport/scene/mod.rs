@@ -5,6 +5,7 @@ mod description;
 mod light;
 mod lights;
 mod material;
+mod needs;
 mod primitive;
 mod surface;
 mod ties;
@@ -25,7 +26,8 @@ pub use light::{Light, LightPoint};
 pub(crate) use light::{Piece, Shape};
 pub use lights::Lights;
 pub use material::Material;
-pub use surface::Sampled;
+pub use needs::Needs;
+pub use surface::{Sampled, Surface};
 pub use view::View;
 
 /// What makes a scene unusable.
@@ -64,8 +66,7 @@ pub struct Scene {
     ties: Ties,
     overlaps: Vec<[SurfaceName; 2]>,
     dropped: usize,
-    /// Whether any surface is not opaque.
-    is_veiled: bool,
+    needs: Needs,
 }
 
 thread_local! {
@@ -96,7 +97,7 @@ impl Scene {
         let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
         drop_invisible(&mut description);
         let SceneDescription { meshes, materials, .. } = &description;
-        let is_veiled = meshes.iter().any(|mesh| materials[mesh.material as usize].opacity < 1.0);
+        let needs = Needs::of(meshes, materials);
         let space =
             Space::around(meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
         let (mut primitives, normals) = primitives(&description, &space);
@@ -116,7 +117,7 @@ impl Scene {
         description.meshes = Vec::new();
         let accel = Accel::new(&triangles);
         let materials = description.materials;
-        Ok(Self { accel, primitives, normals, materials, lights, space, ties, overlaps, dropped, is_veiled })
+        Ok(Self { accel, primitives, normals, materials, lights, space, ties, overlaps, dropped, needs })
     }
 
     /// A camera in this scene, for images of `size` pixels.
@@ -130,9 +131,10 @@ impl Scene {
         &self.lights
     }
 
-    /// Whether a surface scatters into discrete directions only.
-    pub fn has_specular(&self) -> bool {
-        self.materials.iter().any(|m| m.bsdf.is_delta())
+    /// What it has.
+    #[inline]
+    pub fn needs(&self) -> Needs {
+        self.needs
     }
 
     /// The materials.

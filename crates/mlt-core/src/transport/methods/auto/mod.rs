@@ -93,7 +93,7 @@ impl Pilot<'_> {
     fn run(&self) -> (Plan, PilotCounts) {
         let lights = self.view.scene.lights();
         let strata = self.cut();
-        let parts = Parts::new(lights, &strata, self.max_edges, self.view.scene.has_specular());
+        let parts = Parts::new(lights, &strata, self.max_edges, self.view.scene.needs().specular);
         let camera = self.view.camera.with_size(self.size());
         let view = View { camera: &camera, ..self.view };
         let measured = self.independent(view, &parts);

@@ -53,7 +53,7 @@ impl<'a> Auto<'a> {
     pub fn render(&self, run: Run) -> Outcome {
         let (view, region, run) = (self.view, &self.lights, run.after(self.pilot));
         let edges = |images| self.plan.sampled_edges(images, self.settings.most_edges());
-        let (max_edges, max_image_edges) = (edges(false), edges(view.scene.has_specular()));
+        let (max_edges, max_image_edges) = (edges(false), edges(view.scene.needs().specular));
         match self.plan.independent {
             None => self.chains(run),
             Some((Sampler::Path { branches }, samples)) => {

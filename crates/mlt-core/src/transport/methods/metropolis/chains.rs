@@ -40,7 +40,7 @@ impl<'a> PathChains<'a> {
             lights: view.scene.lights(),
             adaptation: Adaptation { weights, ..self.settings.adaptation },
             mutations: self.mutations_per_round(),
-            classes: classes.count(max_edges, view.scene.has_specular()),
+            classes: classes.count(max_edges, view.scene.needs().specular),
             mutations_a_sample: mutations_a_sample(view, MUTATIONS_A_SAMPLE),
             by_power: &|parts, mutations| {
                 let strata = LightStratum::product(parts, view, max_edges, classes);

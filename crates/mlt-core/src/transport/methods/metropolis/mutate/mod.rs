@@ -70,7 +70,7 @@ impl<'a> PathMutation<'a> {
         let mut chosen = vec![Self::Bidirectional(BidirectionalMutation { view })];
         chosen.extend(lens.then(|| Self::Lens(LensPerturbation::new(view))));
         chosen.extend(multi_chain.then(|| Self::MultiChain(MultiChainPerturbation::new(view))));
-        chosen.extend((caustic && view.scene.has_specular()).then_some(Self::Caustic(CausticPerturbation { view })));
+        chosen.extend((caustic && view.scene.needs().specular).then_some(Self::Caustic(CausticPerturbation { view })));
         chosen
     }
 }
