@@ -6,7 +6,6 @@ use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::scene::View;
 use glam::Vec3A;
-use std::f32::consts::FRAC_1_PI;
 use std::sync::atomic::{Ordering, compiler_fence};
 
 /// A vertex x_i of a path with what depends on it and its neighbours.
@@ -140,10 +139,8 @@ pub(crate) fn emission(view: &View, x: &Vertex, to_eye: Vec3A) -> Option<Evaluat
     if !x.emits {
         return None;
     }
-    let value = view.scene.emitted(x, to_eye);
-    let cos = x.geometric_normal.dot(to_eye);
-    let pdf = if view.scene.emits_both_sides(x) { 0.5 * cos.abs() } else { cos.max(0.0) } * FRAC_1_PI;
-    (value != Rgb::ZERO).then_some(Evaluation { value, pdf_to_eye: pdf, pdf_to_light: 0.0 })
+    let (value, pdf_to_eye) = (view.scene.emitted(x, to_eye), view.scene.pdf_emission(x, to_eye));
+    (value != Rgb::ZERO).then_some(Evaluation { value, pdf_to_eye, pdf_to_light: 0.0 })
 }
 
 /// Scattering and densities at a surface or, as W_e, at the camera; `None`: nothing.

@@ -2,7 +2,7 @@
 
 mod camera;
 mod description;
-mod light;
+pub(crate) mod light;
 mod lights;
 mod material;
 mod needs;
@@ -13,7 +13,6 @@ mod veil;
 mod view;
 
 use crate::transport::accel::{Accel, coarse_size};
-use crate::transport::colour::Rgb;
 use crate::transport::geometry::{ERROR_FACTOR, Hit, Mesh, Ray, Space, Vertex};
 use glam::{Vec3, Vec3A};
 use primitive::{FLAT, Primitive, primitives};
@@ -22,8 +21,8 @@ use ties::{Surfaces, Ties};
 
 pub use camera::{Camera, CameraPose};
 pub use description::{SceneDescription, SurfaceName};
+pub(crate) use light::Piece;
 pub use light::{Light, LightPoint};
-pub(crate) use light::{Piece, Shape};
 pub use lights::Lights;
 pub use material::Material;
 pub use needs::Needs;
@@ -211,24 +210,6 @@ impl Scene {
         &self.materials[vertex.material as usize]
     }
 
-    /// Whether a light emits from both of its sides.
-    #[inline]
-    pub(crate) fn emits_both_sides(&self, vertex: &Vertex) -> bool {
-        self.material(vertex).emits_both_sides
-    }
-
-    /// Radiance that a vertex emits into a direction; none where another surface is seen in its place.
-    #[inline(always)]
-    pub fn emitted(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
-        let material = self.material(vertex);
-        let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
-        if lit && !(vertex.shared && self.seen(vertex.primitive, vertex.position, direction) != vertex.primitive) {
-            material.emission
-        } else {
-            Rgb::ZERO
-        }
-    }
-
     #[inline(always)]
     fn vertex(&self, hit: &Hit, ray: &Ray) -> Vertex {
         let p = &self.primitives[hit.primitive as usize];
@@ -249,6 +230,12 @@ impl Scene {
         }
         let error = vertex.error.max(ERROR_FACTOR * position.abs().max_element());
         Vertex { position: ray.at(ray.plane_parameter(p.vertices)).into(), error, ..vertex }
+    }
+
+    /// Whether another surface is seen in a vertex's place from a direction.
+    #[inline(always)]
+    fn is_hidden(&self, vertex: &Vertex, towards: Vec3A) -> bool {
+        vertex.shared && self.seen(vertex.primitive, vertex.position, towards) != vertex.primitive
     }
 
     /// Which of the triangles at a point of one is seen from a direction.

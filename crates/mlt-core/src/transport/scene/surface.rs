@@ -11,7 +11,6 @@ use crate::engine::uniform_f32;
 use crate::transport::bsdf::{Bsdf, Evaluation};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
-use crate::transport::geometry::math::cosine_hemisphere;
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 use std::f32::consts::FRAC_1_PI;
@@ -89,16 +88,6 @@ impl Surface<'_> {
     #[inline]
     pub fn event_probability(self, given: Vec3A, sampled: Vec3A) -> f32 {
         self.bsdf.event_probability(self.vertex.shading_normal, given, sampled)
-    }
-}
-
-impl Scene {
-    /// Draws the direction that a light subpath starts into, with density cosθ/π, or half that on each of two sides.
-    #[inline(always)]
-    pub(crate) fn sample_emission(&self, vertex: &Vertex, rng: &mut impl Rng) -> Vec3A {
-        let u = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-        let back = self.material(vertex).emits_both_sides && uniform_f32(rng) < 0.5;
-        cosine_hemisphere(if back { -vertex.geometric_normal } else { vertex.geometric_normal }, u)
     }
 }
 
