@@ -156,7 +156,7 @@ pub(crate) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: V
 /// W_e, and the density of a direction to the light through a uniform point of the image; `None` behind the image.
 #[inline(always)]
 fn sensitivity(view: &View, x: &PathVertex, to_light: Vec3A) -> Option<Evaluation> {
-    let cos = x.vertex.geometric_normal.dot(to_light);
-    let value = Rgb::splat(view.camera.w_e(cos));
-    (cos > 0.0).then(|| Evaluation { value, pdf_to_eye: 0.0, pdf_to_light: view.camera.pdf(cos) })
+    let (lens, camera) = (&x.vertex, view.camera);
+    let (value, pdf_to_light) = (Rgb::splat(camera.w_e(lens, to_light)), camera.pdf(lens, to_light));
+    (lens.geometric_normal.dot(to_light) > 0.0).then_some(Evaluation { value, pdf_to_eye: 0.0, pdf_to_light })
 }

@@ -82,8 +82,9 @@ pub(crate) fn start_at_eye(
     view: &View,
     rng: &mut impl Rng,
 ) -> Option<()> {
-    let direction = view.camera.direction(image);
-    let seen = view.scene.follow_ray(view.camera.origin(), direction, rng)?;
+    let ray = view.camera.sample(image);
+    let direction = ray.direction();
+    let seen = view.scene.follow_ray(ray.origin, direction, rng)?;
     add_towards_light(vertices, i, direction, seen);
     Some(())
 }

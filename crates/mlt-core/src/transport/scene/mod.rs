@@ -19,7 +19,7 @@ use primitive::{FLAT, Primitive, primitives};
 use std::cell::Cell;
 use ties::{Surfaces, Ties};
 
-pub use camera::{Camera, CameraPose};
+pub use camera::{Camera, CameraPose, CameraRay};
 pub use description::{SceneDescription, SurfaceName};
 pub(crate) use light::Piece;
 pub use light::{Light, LightPoint};

@@ -73,16 +73,15 @@ impl PathTracer<'_> {
     /// Takes one sample through a point of the image and shows `visit` its parts, whose expected sum is the radiance.
     #[inline(always)]
     pub fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
-        let camera = self.view.camera.vertex();
-        let step = self.view.camera.step(image);
-        let Some((vertex, passed)) = self.view.scene.follow_ray(self.view.camera.origin(), step, rng) else { return };
-        let direction = step.normalize();
-        let pdf = self.view.camera.has_tiny_lights().then(|| {
-            let cos = camera.geometric_normal.dot(direction);
-            self.view.camera.pdf(cos) * passed / vertex.position.distance_squared(camera.position)
-        });
+        let View { scene, camera } = self.view;
+        let ray = camera.sample(image);
+        let Some((vertex, passed)) = scene.follow_ray(ray.origin, ray.step, rng) else { return };
+        let (lens, direction) = (ray.vertex, ray.direction());
+        let pdf = camera
+            .has_tiny_lights()
+            .then(|| camera.pdf(&lens, direction) * passed / vertex.position.distance_squared(lens.position));
         let walk =
-            Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: camera, edges: 1, straight: true };
+            Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: lens, edges: 1, straight: true };
         self.gather(&walk, rng, visit);
         if self.branches == 1 {
             self.go_on(walk, rng, visit);
@@ -183,7 +182,7 @@ impl PathTracer<'_> {
         let step = source.position - eye.position;
         let square = step.length_squared();
         let direction = step / square.sqrt();
-        let pixel = camera.pixel(camera.image_point(direction)?);
+        let pixel = camera.pixel(camera.project(&eye, direction)?);
         let emitted = scene.emitted(&source, -direction);
         if square <= 0.0 || emitted == Rgb::ZERO {
             return None;
@@ -194,8 +193,8 @@ impl PathTracer<'_> {
         }
         let cos = eye.geometric_normal.dot(direction);
         let there = source.geometric_normal.dot(direction).abs() * passed / square;
-        let weight = power_heuristic(density as f32, camera.pdf(cos) * there);
-        let value = emitted.as_dvec3() * (f64::from(camera.w_e(cos) * cos * there * weight) / density);
+        let weight = power_heuristic(density as f32, camera.pdf(&eye, direction) * there);
+        let value = emitted.as_dvec3() * (f64::from(camera.w_e(&eye, direction) * cos * there * weight) / density);
         visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point) });
         Some(())
     }
