@@ -78,10 +78,10 @@ impl<'a> PathMutation<'a> {
 impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
     fn name(&self) -> &'static str {
         match self {
-            Self::Bidirectional(_) => "bidirectional",
-            Self::Lens(_) => "lens",
-            Self::Caustic(_) => "caustic",
-            Self::MultiChain(_) => "multi-chain",
+            Self::Bidirectional(m) => m.name(),
+            Self::Lens(m) => m.name(),
+            Self::Caustic(m) => m.name(),
+            Self::MultiChain(m) => m.name(),
         }
     }
 
@@ -106,7 +106,7 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
         match self {
             Self::Bidirectional(m) => m.propose(current, proposal, within, rng),
             Self::Lens(m) => m.propose(current, proposal, within, rng),
-            Self::Caustic(m) => m.propose(current, proposal, rng),
+            Self::Caustic(m) => m.propose(current, proposal, within, rng),
             Self::MultiChain(m) => m.propose(current, proposal, within, rng),
         }
     }
