@@ -10,7 +10,7 @@ use mlt_core::transport::image::{luminance_and_error, mean_luminance};
 use mlt_core::transport::lights::Stratification::{Count, None as Whole};
 use mlt_core::transport::lights::{LightStrata, Stratification};
 use mlt_core::transport::methods::auto::{Plan, Sampler};
-use mlt_core::transport::paths::{Kind, Kinds, Luminance};
+use mlt_core::transport::paths::{Kind, Kinds};
 use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
 use mlt_core::transport::scene::{SceneDescription, View};
 use rayon::prelude::*;
@@ -47,7 +47,7 @@ fn shared_out(world: &World, sampler: Sampler, chained: [Kinds; 2]) -> Replicas 
         let shares = chained.iter().filter(|kinds| !kinds.is_empty());
         let shares = shares.map(|_| Share { mutations: 200_000, samples: 50_000 }).collect();
         let plan = Plan::new(strata, (sampler, 512.0), chained.to_vec(), shares);
-        let renderer = Renderer::with_plan(view, settings(Method::Auto, Whole, 1.0), Luminance, plan);
+        let renderer = Renderer::with_plan(view, settings(Method::Auto, Whole, 1.0), plan);
         let mut film = renderer.film();
         let go_on = &mut |_, _: &Film<3>| ControlFlow::Continue(());
         renderer.render(round..round + 1, &mut film, &mut Counts::default(), go_on);
@@ -87,7 +87,7 @@ fn means_of_mixtures(world: &World) -> Vec<(f64, f64, f64)> {
         let shares = vec![Share { mutations: 4000, samples: 4 }];
         let plan = Plan::new(strata, (Sampler::Path { branches: 1 }, 256.0), vec![Kinds::SEEN.others()], shares);
         let settings = Settings { seed, ..settings(Method::Auto, Whole, 1.0) };
-        let renderer = Renderer::with_plan(view, settings, Luminance, plan);
+        let renderer = Renderer::with_plan(view, settings, plan);
         let mut film = renderer.film();
         renderer.render(0..16, &mut film, &mut Counts::default(), &mut |_, _: &Film<3>| ControlFlow::Continue(()));
         let own: f64 = (0..film.sites() as usize).map(|i| luminance_and_error(&film, i).1.powi(2)).sum();

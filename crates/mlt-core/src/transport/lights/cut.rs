@@ -6,8 +6,7 @@
 
 use super::cell::Cell;
 use crate::transport::geometry::hilbert;
-use crate::transport::scene::{Light, Lights, Shape};
-use glam::DVec2;
+use crate::transport::scene::{Light, Lights};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -143,7 +142,7 @@ impl<'a> LightTree<'a> {
 
     fn cell(&self, position: u32, depth: u32, path: u32) -> Cell {
         let (id, light) = self.light(position);
-        let mut sides = sides(light);
+        let mut sides = light.sides();
         let Cell { mut low, mut high, .. } = Cell::whole(id);
         for bit in (0..depth).rev() {
             let axis = usize::from(sides[1] > sides[0]);
@@ -152,14 +151,6 @@ impl<'a> LightTree<'a> {
             if path >> bit & 1 == 0 { high[axis] = middle } else { low[axis] = middle }
         }
         Cell { light: id, low, high }
-    }
-}
-
-/// Lengths of the sides of a light's unit square; a mesh has one.
-fn sides(light: &Light) -> DVec2 {
-    match &light.shape {
-        Shape::Parallelogram { edges, .. } => DVec2::from_array(edges.map(|e| f64::from(e.length()))),
-        Shape::Triangles { .. } => DVec2::X,
     }
 }
 

@@ -3,7 +3,7 @@
 use super::cell::Cell;
 use super::cut::{LightTree, Node};
 use super::region::LightRegion;
-use crate::transport::scene::{Light, LightPoint, Lights, Shape};
+use crate::transport::scene::{Light, LightPoint, Lights};
 use glam::DVec2;
 use std::cmp::Ordering;
 
@@ -155,17 +155,13 @@ fn join(nodes: impl Iterator<Item = (f64, Vec<Cell>)>, least: f64) -> Vec<Vec<Ce
     parts
 }
 
-/// The grid of a light, coarser where its cells would have less power than `least`. A mesh is cut along u alone, which
-/// runs through its triangles.
+/// The grid of a light, coarser where its cells would have less power than `least`.
 fn joined_grid(light: &Light, mut size: [u32; 2], least: f64) -> [u32; 2] {
     while size != [1, 1] && light.power() / f64::from(size[0]) / f64::from(size[1]) < 0.999 * least {
         let longer = usize::from(size[1] > size[0]);
         size[longer] = size[longer].div_ceil(2);
     }
-    match light.shape {
-        Shape::Parallelogram { .. } => size,
-        Shape::Triangles { .. } => [size[0] * size[1], 1],
-    }
+    light.grid(size)
 }
 
 /// Index of the interval [i/n, (i+1)/n) that x lies in, bounds rounded as the regions' are.

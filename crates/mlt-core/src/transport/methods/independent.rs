@@ -1,7 +1,5 @@
 //! Independent samples of the image, in rounds: path tracing and bidirectional path tracing as estimators.
 
-use super::bidirectional::Bidirectional;
-use super::path_tracing::PathTracer;
 use super::sobol::OwenSobol;
 use crate::engine::{Deposits, Estimator, Purpose, Sink, Splat, generator, uniform_f32};
 use crate::instructions::{InstructionSet, Work};
@@ -23,30 +21,6 @@ pub trait ImageSampler: Sync {
     /// `image`, and the radiance. Over uniform points of the image, their expected sum in a pixel is the pixel's radiance
     /// over the number of pixels.
     fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd));
-}
-
-impl ImageSampler for PathTracer<'_> {
-    fn size(&self) -> [u32; 2] {
-        self.view.camera.size()
-    }
-
-    #[inline(always)]
-    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
-        if self.view.camera.has_tiny_lights() {
-            self.see_light(rng, visit);
-        }
-        self.sample(image, rng, &mut |radiance, end| visit(None, radiance, end));
-    }
-}
-
-impl ImageSampler for Bidirectional<'_> {
-    fn size(&self) -> [u32; 2] {
-        self.view.camera.size()
-    }
-
-    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
-        self.sample_image(image, rng, visit);
-    }
 }
 
 /// A part of path space.
@@ -193,6 +167,8 @@ impl<T: ImageSampler, S: Selection> Estimator<3> for Independent<'_, T, S> {
 mod tests {
     use super::*;
     use crate::transport::lights::LightRegion;
+    use crate::transport::methods::bidirectional::Bidirectional;
+    use crate::transport::methods::path_tracing::PathTracer;
     use crate::transport::tests::worlds::worlds;
 
     /// What a task leaves with the instructions that the processor has, and with those that all have.

@@ -2,19 +2,23 @@
 
 pub mod auto;
 mod bidirectional;
-mod connect;
-pub(crate) mod counts;
+mod counts;
+mod film_unit;
 mod independent;
 pub mod metropolis;
 mod path_tracing;
 pub mod primary;
-pub(crate) mod samples;
+mod run;
+mod samples;
 mod settings;
 mod sobol;
+mod target;
 
-pub use bidirectional::{Bidirectional, MOST_EDGES};
+pub use bidirectional::{Bidirectional, BidirectionalTracing};
 pub use counts::Counts;
+pub use film_unit::film_unit;
 pub use independent::{AllPaths, ImageSampler, Independent, SampleTally, Selection};
-pub use path_tracing::PathTracer;
-pub use settings::{Method, Settings};
+pub use path_tracing::{PathTracer, PathTracing};
+pub use run::{Observer, Run};
+pub use settings::{MOST_EDGES, Method, Settings};
 pub use sobol::OwenSobol;

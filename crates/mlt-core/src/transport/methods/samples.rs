@@ -48,7 +48,7 @@ const WORK: [f64; 2] = [1.0, 64.0];
 ///
 /// Where specular surfaces make paths that a million samples hardly meet, no sample is spared.
 pub(crate) fn mutations_a_sample(view: View, usual: u64) -> u64 {
-    if view.scene.has_specular() {
+    if view.scene.needs().specular {
         return usual;
     }
     let growth = (f64::from(view.camera.pixels()) / PIXELS).sqrt();
@@ -67,7 +67,7 @@ pub(crate) fn fitted_shares<P>(
     spread: impl FnOnce(&[Share]) -> (Option<f64>, u64),
 ) -> (Vec<Share>, u64) {
     let unknown = shares_by_power(strata, mutations, mutations_a_sample(view, samples.usual));
-    if view.scene.has_specular() {
+    if view.scene.needs().specular {
         return (unknown, 0);
     }
     let (spread, work) = spread(&unknown);
@@ -96,7 +96,7 @@ mod tests {
         let renderer = Renderer::new(view, Settings { method, per_pixel: 4.0, ..Settings::default() });
         let (mut film, mut counts) = (renderer.film(), Counts::default());
         renderer.render(0..1, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
-        assert_eq!(counts.pilot_rays > 0, !view.scene.has_specular());
+        assert_eq!(counts.pilot_rays > 0, !view.scene.needs().specular);
         counts.steps() as f64 / counts.strata[0].samples as f64
     }
 

@@ -1,11 +1,16 @@
 //! What decides the bits of a render.
 
-use super::metropolis::Adaptation;
-use super::metropolis::Perturbations;
-use super::metropolis::Variant;
+use super::metropolis::adapt::Adaptation;
+use super::metropolis::mutate::Perturbations;
+use super::metropolis::stratum::Variant;
 use crate::transport::image::Target;
 use crate::transport::lights::Stratification;
 use crate::transport::paths::Classes;
+use crate::transport::scene::View;
+
+/// Most edges of a path where no limit is asked for: roulette, which ends at least one in twenty at each step, reaches it
+/// with probability below 10⁻²⁰.
+pub const MOST_EDGES: usize = 1000;
 
 /// How the image is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,4 +53,16 @@ pub struct Settings {
     pub seed: u64,
     /// Mutations (Metropolis) or samples of each pixel in a round; for independent methods on average over the rounds.
     pub per_pixel: f64,
+}
+
+impl Settings {
+    /// Most edges of a path.
+    pub(super) fn most_edges(&self) -> usize {
+        self.max_edges.unwrap_or(MOST_EDGES).clamp(1, MOST_EDGES)
+    }
+
+    /// Mutations of a round.
+    pub(super) fn mutations_per_round(&self, view: View) -> f64 {
+        self.per_pixel * f64::from(view.camera.pixels())
+    }
 }

@@ -6,7 +6,6 @@ use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::scene::View;
 use glam::Vec3A;
-use std::f32::consts::FRAC_1_PI;
 use std::sync::atomic::{Ordering, compiler_fence};
 
 /// A vertex x_i of a path with what depends on it and its neighbours.
@@ -115,7 +114,7 @@ pub(super) fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<(
 #[inline(always)]
 pub(super) fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
     let [to_light, x, to_eye] = vertices.get_mut(i - 1..i + 2)? else { return None };
-    let found = view.scene.evaluate(&x.vertex, -to_light.to_eye, x.to_eye)?;
+    let found = view.scene.surface(&x.vertex).evaluate(-to_light.to_eye, x.to_eye)?;
     x.scatter = found.value;
     to_eye.forward = x.per_area_there(found.pdf_to_eye);
     to_light.reverse = to_light.per_area_here(found.pdf_to_light);
@@ -140,22 +139,24 @@ pub(crate) fn emission(view: &View, x: &Vertex, to_eye: Vec3A) -> Option<Evaluat
     if !x.emits {
         return None;
     }
-    let value = view.scene.emitted(x, to_eye);
-    let cos = x.geometric_normal.dot(to_eye);
-    let pdf = if view.scene.emits_both_sides(x) { 0.5 * cos.abs() } else { cos.max(0.0) } * FRAC_1_PI;
-    (value != Rgb::ZERO).then_some(Evaluation { value, pdf_to_eye: pdf, pdf_to_light: 0.0 })
+    let (value, pdf_to_eye) = (view.scene.emitted(x, to_eye), view.scene.pdf_emission(x, to_eye));
+    (value != Rgb::ZERO).then_some(Evaluation { value, pdf_to_eye, pdf_to_light: 0.0 })
 }
 
 /// Scattering and densities at a surface or, as W_e, at the camera; `None`: nothing.
 #[inline(always)]
 pub(crate) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
-    if x.vertex.is_camera() { sensitivity(view, x, to_light) } else { view.scene.evaluate(&x.vertex, to_light, to_eye) }
+    if x.vertex.is_camera() {
+        sensitivity(view, x, to_light)
+    } else {
+        view.scene.surface(&x.vertex).evaluate(to_light, to_eye)
+    }
 }
 
 /// W_e, and the density of a direction to the light through a uniform point of the image; `None` behind the image.
 #[inline(always)]
 fn sensitivity(view: &View, x: &PathVertex, to_light: Vec3A) -> Option<Evaluation> {
-    let cos = x.vertex.geometric_normal.dot(to_light);
-    let value = Rgb::splat(view.camera.w_e(cos));
-    (cos > 0.0).then(|| Evaluation { value, pdf_to_eye: 0.0, pdf_to_light: view.camera.pdf(cos) })
+    let (lens, camera) = (&x.vertex, view.camera);
+    let (value, pdf_to_light) = (Rgb::splat(camera.w_e(lens, to_light)), camera.pdf(lens, to_light));
+    (lens.geometric_normal.dot(to_light) > 0.0).then_some(Evaluation { value, pdf_to_eye: 0.0, pdf_to_light })
 }

@@ -52,7 +52,7 @@ pub(crate) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View
     let x = &vertices[i].vertex;
     let direction = match i {
         0 => view.scene.sample_emission(x, rng),
-        _ => view.scene.sample(x, -vertices[i - 1].to_eye, rng)?,
+        _ => view.scene.surface(x).sample(-vertices[i - 1].to_eye, rng)?,
     };
     follow_from_light(vertices, i, direction, view, rng)
 }
@@ -82,8 +82,9 @@ pub(crate) fn start_at_eye(
     view: &View,
     rng: &mut impl Rng,
 ) -> Option<()> {
-    let direction = view.camera.direction(image);
-    let seen = view.scene.follow_ray(view.camera.origin(), direction, rng)?;
+    let ray = view.camera.sample(image);
+    let direction = ray.direction();
+    let seen = view.scene.follow_ray(ray.origin, direction, rng)?;
     add_towards_light(vertices, i, direction, seen);
     Some(())
 }
@@ -92,7 +93,7 @@ pub(crate) fn start_at_eye(
 #[inline(always)]
 pub(crate) fn step_from_eye(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
     let x = &vertices[i];
-    let direction = view.scene.sample(&x.vertex, x.to_eye, rng)?;
+    let direction = view.scene.surface(&x.vertex).sample(x.to_eye, rng)?;
     follow_from_eye(vertices, i, direction, view, rng)
 }
 

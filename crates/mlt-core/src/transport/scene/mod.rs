@@ -2,9 +2,10 @@
 
 mod camera;
 mod description;
-mod light;
+pub(crate) mod light;
 mod lights;
 mod material;
+mod needs;
 mod primitive;
 mod surface;
 mod ties;
@@ -12,20 +13,20 @@ mod veil;
 mod view;
 
 use crate::transport::accel::{Accel, coarse_size};
-use crate::transport::colour::Rgb;
 use crate::transport::geometry::{ERROR_FACTOR, Hit, Mesh, Ray, Space, Vertex};
 use glam::{Vec3, Vec3A};
 use primitive::{FLAT, Primitive, primitives};
 use std::cell::Cell;
 use ties::{Surfaces, Ties};
 
-pub use camera::{Camera, CameraPose};
+pub use camera::{Camera, CameraPose, CameraRay};
 pub use description::{SceneDescription, SurfaceName};
+pub(crate) use light::Piece;
 pub use light::{Light, LightPoint};
-pub(crate) use light::{Piece, Shape};
 pub use lights::Lights;
 pub use material::Material;
-pub use surface::Sampled;
+pub use needs::Needs;
+pub use surface::{Sampled, Surface};
 pub use view::View;
 
 /// What makes a scene unusable.
@@ -64,8 +65,7 @@ pub struct Scene {
     ties: Ties,
     overlaps: Vec<[SurfaceName; 2]>,
     dropped: usize,
-    /// Whether any surface is not opaque.
-    is_veiled: bool,
+    needs: Needs,
 }
 
 thread_local! {
@@ -96,7 +96,7 @@ impl Scene {
         let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
         drop_invisible(&mut description);
         let SceneDescription { meshes, materials, .. } = &description;
-        let is_veiled = meshes.iter().any(|mesh| materials[mesh.material as usize].opacity < 1.0);
+        let needs = Needs::of(meshes, materials);
         let space =
             Space::around(meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
         let (mut primitives, normals) = primitives(&description, &space);
@@ -116,7 +116,7 @@ impl Scene {
         description.meshes = Vec::new();
         let accel = Accel::new(&triangles);
         let materials = description.materials;
-        Ok(Self { accel, primitives, normals, materials, lights, space, ties, overlaps, dropped, is_veiled })
+        Ok(Self { accel, primitives, normals, materials, lights, space, ties, overlaps, dropped, needs })
     }
 
     /// A camera in this scene, for images of `size` pixels.
@@ -130,9 +130,10 @@ impl Scene {
         &self.lights
     }
 
-    /// Whether a surface scatters into discrete directions only.
-    pub fn has_specular(&self) -> bool {
-        self.materials.iter().any(|m| m.bsdf.is_delta())
+    /// What it has.
+    #[inline]
+    pub fn needs(&self) -> Needs {
+        self.needs
     }
 
     /// The materials.
@@ -209,24 +210,6 @@ impl Scene {
         &self.materials[vertex.material as usize]
     }
 
-    /// Whether a light emits from both of its sides.
-    #[inline]
-    pub(crate) fn emits_both_sides(&self, vertex: &Vertex) -> bool {
-        self.material(vertex).emits_both_sides
-    }
-
-    /// Radiance that a vertex emits into a direction; none where another surface is seen in its place.
-    #[inline(always)]
-    pub fn emitted(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
-        let material = self.material(vertex);
-        let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
-        if lit && !(vertex.shared && self.seen(vertex.primitive, vertex.position, direction) != vertex.primitive) {
-            material.emission
-        } else {
-            Rgb::ZERO
-        }
-    }
-
     #[inline(always)]
     fn vertex(&self, hit: &Hit, ray: &Ray) -> Vertex {
         let p = &self.primitives[hit.primitive as usize];
@@ -247,6 +230,12 @@ impl Scene {
         }
         let error = vertex.error.max(ERROR_FACTOR * position.abs().max_element());
         Vertex { position: ray.at(ray.plane_parameter(p.vertices)).into(), error, ..vertex }
+    }
+
+    /// Whether another surface is seen in a vertex's place from a direction.
+    #[inline(always)]
+    fn is_hidden(&self, vertex: &Vertex, towards: Vec3A) -> bool {
+        vertex.shared && self.seen(vertex.primitive, vertex.position, towards) != vertex.primitive
     }
 
     /// Which of the triangles at a point of one is seen from a direction.

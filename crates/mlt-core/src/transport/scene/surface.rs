@@ -11,7 +11,6 @@ use crate::engine::uniform_f32;
 use crate::transport::bsdf::{Bsdf, Evaluation};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
-use crate::transport::geometry::math::cosine_hemisphere;
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 use std::f32::consts::FRAC_1_PI;
@@ -27,76 +26,68 @@ pub struct Sampled {
     pub pdf: f32,
 }
 
+/// The surface at a vertex, as it scatters there.
+#[derive(Clone, Copy)]
+pub struct Surface<'a> {
+    vertex: &'a Vertex,
+    bsdf: &'a Bsdf,
+}
+
 impl Scene {
-    /// f_s(to_light → to_eye) |ω·N_s|/|ω·N_g|, sr⁻¹, with ω = to_light; `None` where it is zero.
-    #[inline]
-    pub fn scatter(&self, vertex: &Vertex, to_light: Vec3A, to_eye: Vec3A) -> Option<Rgb> {
-        let (shading, geometric) = cosines(vertex, to_light)?;
-        cosines(vertex, to_eye)?;
-        let f = self.material(vertex).bsdf.eval(vertex.shading_normal, to_light, to_eye);
-        (f != Rgb::ZERO).then(|| f * (shading / geometric))
-    }
-
-    /// [`scatter`](Self::scatter) with the densities of either direction, given the other, sr⁻¹.
+    /// The surface at a vertex.
     #[inline(always)]
-    pub fn evaluate(&self, vertex: &Vertex, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
-        let (shading, geometric) = cosines(vertex, to_light)?;
-        cosines(vertex, to_eye)?;
-        let found = self.material(vertex).bsdf.evaluate(vertex.shading_normal, to_light, to_eye);
-        (found.value != Rgb::ZERO).then(|| Evaluation { value: found.value * (shading / geometric), ..found })
+    pub fn surface<'a>(&'a self, vertex: &'a Vertex) -> Surface<'a> {
+        Surface { vertex, bsdf: &self.material(vertex).bsdf }
     }
+}
 
-    /// Density per unit solid angle with which [`sample`](Self::sample) draws `sampled`, sr⁻¹.
-    #[inline]
-    pub fn pdf(&self, vertex: &Vertex, given: Vec3A, sampled: Vec3A) -> f32 {
-        self.material(vertex).bsdf.pdf(vertex.shading_normal, given, sampled)
+impl Surface<'_> {
+    /// f_s(to_light → to_eye) |ω·N_s|/|ω·N_g|, sr⁻¹, with ω = to_light, and the densities of either direction, given the other,
+    /// sr⁻¹; `None` where it is zero.
+    #[inline(always)]
+    pub fn evaluate(self, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
+        let (shading, geometric) = cosines(self.vertex, to_light)?;
+        cosines(self.vertex, to_eye)?;
+        let found = self.bsdf.evaluate(self.vertex.shading_normal, to_light, to_eye);
+        (found.value != Rgb::ZERO).then(|| Evaluation { value: found.value * (shading / geometric), ..found })
     }
 
     /// Draws a direction from three random numbers, or from two where no event is chosen; `None`: absorbed.
     #[inline(always)]
-    pub fn sample(&self, vertex: &Vertex, given: Vec3A, rng: &mut impl Rng) -> Option<Vec3A> {
-        let bsdf = &self.material(vertex).bsdf;
+    pub fn sample(self, given: Vec3A, rng: &mut impl Rng) -> Option<Vec3A> {
         let (u, v) = (uniform_f32(rng), uniform_f32(rng));
-        let sampled = match bsdf {
-            Bsdf::Lambert(lambert) => lambert.sample(vertex.shading_normal, given, Vec2::new(u, v)),
-            _ => bsdf.sample(vertex.shading_normal, given, [u, v, uniform_f32(rng)])?,
+        let sampled = match self.bsdf {
+            Bsdf::Lambert(lambert) => lambert.sample(self.vertex.shading_normal, given, Vec2::new(u, v)),
+            bsdf => bsdf.sample(self.vertex.shading_normal, given, [u, v, uniform_f32(rng)])?,
         };
-        cosines(vertex, sampled).map(|_| sampled)
+        cosines(self.vertex, sampled).map(|_| sampled)
     }
 
     /// Draws a direction towards the light, and says what comes from there.
     #[inline(always)]
-    pub fn sample_to_light(&self, vertex: &Vertex, to_eye: Vec3A, rng: &mut impl Rng) -> Option<Sampled> {
-        let to_light = self.sample(vertex, to_eye, rng)?;
-        if let Bsdf::Lambert(lambert) = &self.material(vertex).bsdf {
-            cosines(vertex, to_eye)?;
-            let pdf = vertex.shading_normal.dot(to_light).abs() * FRAC_1_PI;
+    pub fn sample_to_light(self, to_eye: Vec3A, rng: &mut impl Rng) -> Option<Sampled> {
+        let to_light = self.sample(to_eye, rng)?;
+        if let Bsdf::Lambert(lambert) = self.bsdf {
+            cosines(self.vertex, to_eye)?;
+            let pdf = self.vertex.shading_normal.dot(to_light).abs() * FRAC_1_PI;
             return Some(Sampled { to_light, weight: lambert.reflectance, pdf });
         }
-        let found = self.evaluate(vertex, to_light, to_eye)?;
-        let cos = vertex.geometric_normal.dot(to_light).abs();
+        let found = self.evaluate(to_light, to_eye)?;
+        let cos = self.vertex.geometric_normal.dot(to_light).abs();
         Some(Sampled { to_light, weight: found.value * (cos / found.pdf_to_light), pdf: found.pdf_to_light })
     }
 
     /// The direction that a delta BSDF joins to `given` by reflection or by transmission.
     #[inline]
-    pub fn delta_direction(&self, vertex: &Vertex, given: Vec3A, transmit: bool) -> Option<Vec3A> {
-        let direction = self.material(vertex).bsdf.delta_direction(vertex.shading_normal, given, transmit)?;
-        cosines(vertex, direction).map(|_| direction)
+    pub fn delta_direction(self, given: Vec3A, transmit: bool) -> Option<Vec3A> {
+        let direction = self.bsdf.delta_direction(self.vertex.shading_normal, given, transmit)?;
+        cosines(self.vertex, direction).map(|_| direction)
     }
 
     /// Probability with which a delta BSDF's sampling chooses the event that joins the two directions.
     #[inline]
-    pub fn event_probability(&self, vertex: &Vertex, given: Vec3A, sampled: Vec3A) -> f32 {
-        self.material(vertex).bsdf.event_probability(vertex.shading_normal, given, sampled)
-    }
-
-    /// Draws the direction that a light subpath starts into, with density cosθ/π, or half that on each of two sides.
-    #[inline(always)]
-    pub(crate) fn sample_emission(&self, vertex: &Vertex, rng: &mut impl Rng) -> Vec3A {
-        let u = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-        let back = self.material(vertex).emits_both_sides && uniform_f32(rng) < 0.5;
-        cosine_hemisphere(if back { -vertex.geometric_normal } else { vertex.geometric_normal }, u)
+    pub fn event_probability(self, given: Vec3A, sampled: Vec3A) -> f32 {
+        self.bsdf.event_probability(self.vertex.shading_normal, given, sampled)
     }
 }
 

@@ -31,7 +31,7 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn follow_ray(&self, origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
         let first = self.trace_ray(origin, direction)?;
-        if self.is_veiled { self.pass(first, direction, rng) } else { Some((first, 1.0)) }
+        if self.needs.veils { self.pass(first, direction, rng) } else { Some((first, 1.0)) }
     }
 
     #[inline(never)]
@@ -50,7 +50,7 @@ impl Scene {
     /// τ between two vertices; 0 if an opaque surface stands there.
     #[inline(always)]
     pub fn transmittance(&self, a: &Vertex, b: &Vertex) -> f32 {
-        if self.is_veiled { self.veils_between(a, b) } else { f32::from(u8::from(self.visible(a, b))) }
+        if self.needs.veils { self.veils_between(a, b) } else { f32::from(u8::from(self.visible(a, b))) }
     }
 
     #[inline(never)]

@@ -8,18 +8,18 @@ use glam::Vec2;
 use std::f64::consts::PI;
 
 #[test]
-fn a_direction_leads_back_to_its_image_point() {
+fn a_direction_leads_back_to_its_film_point() {
     let camera = room(lambert(Rgb::ONE), false).camera;
     let mut rng = generator(1, Purpose::Image, 0, 0, 0);
     for _ in 0..1000 {
         let image =
             Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng)).clamp(Vec2::splat(1e-4), Vec2::splat(0.9999));
-        let back = camera.image_point(camera.direction(image)).unwrap();
+        let back = camera.project(&camera.vertex(), camera.sample(image).direction()).unwrap();
         assert!(back.distance(image) < 2e-6, "{image} {back}");
-        assert_eq!(camera.image_point(-camera.direction(image)), None);
+        assert_eq!(camera.project(&camera.vertex(), -camera.sample(image).direction()), None);
     }
-    assert_eq!(camera.image_point(camera.direction(Vec2::new(1.01, 0.5))), None);
-    assert_eq!(camera.image_point(camera.direction(Vec2::new(0.5, -0.01))), None);
+    assert_eq!(camera.project(&camera.vertex(), camera.sample(Vec2::new(1.01, 0.5)).direction()), None);
+    assert_eq!(camera.project(&camera.vertex(), camera.sample(Vec2::new(0.5, -0.01)).direction()), None);
     assert_eq!(camera.pixel(Vec2::new(0.99, 0.0)), 15);
     assert_eq!(camera.pixel(Vec2::new(0.0, 0.99)), 240);
 }
@@ -35,9 +35,9 @@ fn importance_and_density_integrate_to_one() {
     for _ in 0..n {
         let direction = cosine_hemisphere(axis, Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng)));
         let cos = axis.dot(direction);
-        if camera.image_point(direction).is_some() {
-            let x = f64::from(camera.w_e(cos)) * PI;
-            let y = f64::from(camera.pdf(cos) / cos) * PI;
+        if camera.project(&camera.vertex(), direction).is_some() {
+            let x = f64::from(camera.w_e(&camera.vertex(), direction)) * PI;
+            let y = f64::from(camera.pdf(&camera.vertex(), direction) / cos) * PI;
             [x, x * x, y, y * y].iter().zip(&mut sums).for_each(|(v, s)| *s += v / f64::from(n));
         }
     }

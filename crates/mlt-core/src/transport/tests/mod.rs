@@ -3,6 +3,7 @@
 pub(crate) mod balance;
 mod camera;
 pub(crate) mod paths;
+mod rooms;
 mod strata;
 mod veils;
 mod visibility;

@@ -5,7 +5,8 @@ use crate::engine::{Purpose, generator, uniform};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
 use crate::transport::lights::{Cell, LightRegion, LightStrata, Stratification};
-use crate::transport::scene::{Scene, Shape};
+use crate::transport::scene::Scene;
+use crate::transport::scene::light::Shape;
 use glam::{DVec2, DVec3};
 
 const CUTS: [Stratification; 4] =

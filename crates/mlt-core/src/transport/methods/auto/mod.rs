@@ -13,18 +13,18 @@ mod doubt;
 mod measure;
 mod parts;
 mod plan;
+mod render;
 mod share;
 mod tails;
 
 use super::bidirectional::Bidirectional;
 use super::counts::PilotCounts;
-use super::metropolis::LightStratum;
-use super::metropolis::PathMutation;
+use super::metropolis::{LightStratum, PathMutation};
 use super::path_tracing::PathTracer;
 use super::samples::mutations_a_sample;
-use crate::engine::{self, Importance, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Piloted, Share, Tally};
+use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Piloted, Share, Tally};
+use crate::transport::image::PixelImportance;
 use crate::transport::lights::{LightRegion, LightStrata, LightTree, Stratification};
-use crate::transport::paths::LightPath;
 use crate::transport::scene::{View, rays_traced};
 use candidates::Candidate;
 use costs::{Chained, Findings, per_pixel, weights};
@@ -38,6 +38,7 @@ use tails::{Tail, Tails};
 pub use candidates::{Sampler, TIME_OF_A_BIDIRECTIONAL_RAY};
 pub use parts::SomePaths;
 pub use plan::{PartSummary, Plan, Summary};
+pub use render::Auto;
 
 /// Time of a ray of chains, with all that comes with it, over that in path tracing.
 pub const TIME_OF_A_CHAINS_RAY: f64 = 1.2;
@@ -74,25 +75,25 @@ const LEAST_SHARE: f64 = 1.0 / 16.0;
 const CHAIN_PILOT: u64 = PILOT + (1 << 40);
 
 /// What a pilot is to find a plan for.
-pub(crate) struct Pilot<'a, I> {
-    pub(crate) view: View<'a>,
-    pub(crate) importance: &'a I,
+struct Pilot<'a> {
+    view: View<'a>,
+    importance: &'a PixelImportance,
     /// All lights.
-    pub(crate) lights: &'a LightRegion,
+    lights: &'a LightRegion,
     /// How the lights are cut; `None` leaves it to the pilot.
-    pub(crate) stratification: Stratification,
-    pub(crate) max_edges: usize,
-    pub(crate) seed: u64,
+    stratification: Stratification,
+    max_edges: usize,
+    seed: u64,
     /// Work of a round: as much as so many samples of path tracing a pixel.
-    pub(crate) per_pixel: f64,
+    per_pixel: f64,
 }
 
-impl<I: Importance<LightPath> + Sync> Pilot<'_, I> {
+impl Pilot<'_> {
     /// Measures and decides.
-    pub(crate) fn run(&self) -> (Plan, PilotCounts) {
+    fn run(&self) -> (Plan, PilotCounts) {
         let lights = self.view.scene.lights();
         let strata = self.cut();
-        let parts = Parts::new(lights, &strata, self.max_edges, self.view.scene.has_specular());
+        let parts = Parts::new(lights, &strata, self.max_edges, self.view.scene.needs().specular);
         let camera = self.view.camera.with_size(self.size());
         let view = View { camera: &camera, ..self.view };
         let measured = self.independent(view, &parts);

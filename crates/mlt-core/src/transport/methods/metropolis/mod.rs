@@ -1,9 +1,48 @@
 //! Stratified Metropolis light transport in path space.
 
-pub(crate) mod adapt;
+pub(super) mod adapt;
+mod chains;
 pub mod mutate;
-mod stratum;
+pub(super) mod stratum;
+
+use super::counts::PilotCounts;
+use super::run::Run;
+use super::settings::Settings;
+use crate::engine::{Outcome, Share};
+use crate::transport::lights::LightStrata;
+use crate::transport::scene::View;
+use adapt::Adapted;
+use chains::PathChains;
 
 pub use adapt::{Adaptation, Weights};
 pub use mutate::{PathMutation, Perturbations};
 pub use stratum::{LightStratum, Variant};
+
+/// Stratified Metropolis light transport.
+pub struct PathMetropolis<'a> {
+    chains: PathChains<'a>,
+    strata: LightStrata,
+    shares: Vec<Share>,
+    pilot: PilotCounts,
+}
+
+impl<'a> PathMetropolis<'a> {
+    /// Chooses the strata and their shares. The pilot, if the settings ask for one, runs here.
+    pub fn new(view: View<'a>, settings: Settings) -> Self {
+        let chains = PathChains::new(view, settings);
+        let Adapted { strata, shares, tally } = chains.adapt();
+        let mut pilot = PilotCounts::of(&tally);
+        let shares = shares.unwrap_or_else(|| {
+            let (shares, rays) = chains.shares_by_power(&strata);
+            pilot.rays += rays;
+            shares
+        });
+        Self { chains, strata, shares, pilot }
+    }
+
+    /// Adds rounds.
+    pub fn render(&self, run: Run) -> Outcome {
+        let (strata, mixture) = (self.chains.strata(&self.strata), self.chains.mutations());
+        run.after(self.pilot).metropolis(&self.chains.estimator(&strata, &self.shares, &mixture))
+    }
+}

@@ -43,7 +43,7 @@ impl<'a> LightStratum<'a> {
 
     /// The products of the lights' parts and of classes.
     pub fn product(strata: &'a LightStrata, view: View<'a>, max_edges: usize, classes: Classes) -> Vec<Self> {
-        let classes = classes.all(max_edges, view.scene.has_specular());
+        let classes = classes.all(max_edges, view.scene.needs().specular);
         let parts = 0..strata.regions().len();
         let of = |index| classes.iter().map(move |&class| Self::new(strata, index, class, view, max_edges));
         parts.flat_map(of).collect()

@@ -5,13 +5,20 @@
 //! Source: [HachisukaKaplanyanDachsbacher14]; there, each chain keeps the length that it started with.
 
 use super::Part;
-use crate::engine::{Importance, Splat, uniform, uniform_f32};
-use crate::primary::{Output, Stream, Streams, Tracer};
+use super::chains::PrimaryChains;
+use crate::engine::{Importance, Outcome, Share, Splat, uniform, uniform_f32};
+use crate::primary::{Output, PrimaryStratum, Stream, Streams, Tracer};
+use crate::transport::image::PixelImportance;
+use crate::transport::methods::counts::PilotCounts;
+use crate::transport::methods::run::Run;
+use crate::transport::methods::samples::Samples;
+use crate::transport::methods::settings::Settings;
 use crate::transport::paths::mis::Ends;
 use crate::transport::paths::subpath::{
     light_numbers, start_at_eye, start_at_light, start_near, step_from_eye, step_from_light,
 };
 use crate::transport::paths::{LightPath, PathVertex, mis, set_scattering};
+use crate::transport::scene::View;
 use glam::Vec2;
 
 /// Numbers of length, technique and the light's subpath; of the camera's.
@@ -164,6 +171,43 @@ impl<I> Multiplexed<'_, I> {
         }
         (!path.vertices[s - 1].vertex.delta).then_some(())
     }
+}
+
+/// Stratified Metropolis over the random numbers of single paths.
+pub struct Mmlt<'a> {
+    chains: PrimaryChains<'a>,
+    techniques: Techniques,
+    shares: Vec<Share>,
+    pilot: PilotCounts,
+}
+
+impl<'a> Mmlt<'a> {
+    /// Cuts the lights and measures how many samples a round needs.
+    pub fn new(view: View<'a>, settings: Settings) -> Self {
+        let techniques = Techniques::new(settings.most_edges());
+        let chains = PrimaryChains::new(view, settings);
+        let (shares, pilot) = chains.shares(&strata(&chains, &techniques), Samples::MULTIPLEXED);
+        Self { chains, techniques, shares, pilot }
+    }
+
+    /// Adds rounds.
+    pub fn render(&self, run: Run) -> Outcome {
+        let strata = strata(&self.chains, &self.techniques);
+        self.chains.render(&strata, &self.shares, large_steps(self.chains.pixels()), run.after(self.pilot))
+    }
+}
+
+fn strata<'s>(
+    chains: &'s PrimaryChains,
+    techniques: &'s Techniques,
+) -> Vec<PrimaryStratum<Multiplexed<'s, PixelImportance>>> {
+    chains.part().all(|part| Multiplexed { part, techniques })
+}
+
+/// Probability of a large step on an image of so many pixels: a fresh path is seldom worth as much as a sample of all
+/// techniques, but small steps are up to a 64th of the image, which on a small one is within the pixel.
+fn large_steps(pixels: u32) -> f64 {
+    (25.0 / f64::from(pixels).sqrt()).clamp(0.1, 0.3)
 }
 
 #[cfg(test)]

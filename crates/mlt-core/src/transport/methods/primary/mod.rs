@@ -4,6 +4,7 @@
 //! light by chance (s = 0) counts only if it meets it in the stratum. Over the paths of Ω_j the MIS weights refer to the
 //! region's density and sum to 1, so that ∫ F(u) du = ∫_{Ω_j} f.
 
+mod chains;
 mod mmlt;
 mod pssmlt;
 
@@ -12,8 +13,8 @@ use crate::transport::lights::{LightRegion, LightStrata};
 use crate::transport::paths::LightPath;
 use crate::transport::scene::View;
 
-pub use mmlt::{Multiplexed, Technique, Techniques};
-pub use pssmlt::{AllConnections, Splats};
+pub use mmlt::{Mmlt, Multiplexed, Technique, Techniques};
+pub use pssmlt::{AllConnections, Pssmlt, Splats};
 
 /// What the two tracers share: a part of path space, and the scalar that its chains sample.
 pub struct Part<'a, I> {

@@ -3,10 +3,20 @@
 //! Source: [KelemenSzirmayKalos02], section 4.
 
 use super::Part;
-use crate::engine::{Importance, Splat};
-use crate::primary::{Output, Streams, Tracer};
+use super::chains::PrimaryChains;
+use crate::engine::{Importance, Outcome, Share, Splat};
+use crate::primary::{Output, PrimaryStratum, Streams, Tracer};
+use crate::transport::image::PixelImportance;
 use crate::transport::methods::bidirectional::Bidirectional;
+use crate::transport::methods::counts::PilotCounts;
+use crate::transport::methods::run::Run;
+use crate::transport::methods::samples::Samples;
+use crate::transport::methods::settings::Settings;
 use crate::transport::paths::LightPath;
+use crate::transport::scene::View;
+
+/// Probability of a large step.
+const LARGE_STEPS: f64 = 0.3;
 
 /// Numbers of the light's subpath, numbers of the camera's.
 const STREAMS: usize = 2;
@@ -64,4 +74,29 @@ impl<I: Importance<LightPath>> Tracer<STREAMS> for AllConnections<'_, I> {
         });
         output.importance > 0.0
     }
+}
+
+/// Stratified Metropolis over the random numbers of bidirectional samples.
+pub struct Pssmlt<'a> {
+    chains: PrimaryChains<'a>,
+    shares: Vec<Share>,
+    pilot: PilotCounts,
+}
+
+impl<'a> Pssmlt<'a> {
+    /// Cuts the lights and measures how many samples a round needs.
+    pub fn new(view: View<'a>, settings: Settings) -> Self {
+        let chains = PrimaryChains::new(view, settings);
+        let (shares, pilot) = chains.shares(&strata(&chains), Samples::BIDIRECTIONAL);
+        Self { chains, shares, pilot }
+    }
+
+    /// Adds rounds.
+    pub fn render(&self, run: Run) -> Outcome {
+        self.chains.render(&strata(&self.chains), &self.shares, LARGE_STEPS, run.after(self.pilot))
+    }
+}
+
+fn strata<'s>(chains: &'s PrimaryChains) -> Vec<PrimaryStratum<AllConnections<'s, PixelImportance>>> {
+    chains.part().all(|part| AllConnections { part })
 }

@@ -2,4 +2,4 @@
 
 mod pinhole;
 
-pub use pinhole::{Camera, CameraPose};
+pub use pinhole::{Camera, CameraPose, CameraRay};

@@ -41,6 +41,25 @@ pub struct Camera {
     tiny_lights: bool,
 }
 
+/// The ray through a film point.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// Where it leaves the lens.
+    pub vertex: Vertex,
+    /// Its start: the [`origin`](Vertex::origin) of that vertex.
+    pub origin: Vec3A,
+    /// Its direction, with the length that takes it to the plane at distance 1.
+    pub step: Vec3A,
+}
+
+impl CameraRay {
+    /// Its direction, a unit vector.
+    #[inline]
+    pub fn direction(&self) -> Vec3A {
+        self.step.normalize()
+    }
+}
+
 impl Camera {
     pub(crate) fn new(pose: &CameraPose, position: Vec3, size: [u32; 2]) -> Self {
         let half_height = (0.5 * pose.vertical_fov).tan();
@@ -96,53 +115,45 @@ impl Camera {
         self.size[0] * self.size[1]
     }
 
-    /// Unit direction through a point of the image, given in [0, 1)² from the top left corner.
+    /// The ray through a film point, given in [0, 1)² from the top left corner.
     #[inline]
-    pub fn direction(&self, image: Vec2) -> Vec3A {
-        self.step(image).normalize()
+    pub fn sample(&self, film: Vec2) -> CameraRay {
+        let p = 2.0 * film - Vec2::ONE;
+        let step = self.vertex.geometric_normal + p.x * self.right + p.y * self.down;
+        CameraRay { vertex: self.vertex, origin: self.origin, step }
     }
 
-    /// The same direction with the length that takes it to the plane at distance 1.
+    /// The film point that a direction from a vertex on the lens passes through; `None` outside the image.
     #[inline]
-    pub(crate) fn step(&self, image: Vec2) -> Vec3A {
-        let p = 2.0 * image - Vec2::ONE;
-        self.vertex.geometric_normal + p.x * self.right + p.y * self.down
+    pub fn project(&self, lens: &Vertex, direction: Vec3A) -> Option<Vec2> {
+        let cos = lens.geometric_normal.dot(direction);
+        let film = Vec2::new(direction.dot(self.across), direction.dot(self.along)) / cos + 0.5;
+        let inside = cos > 0.0 && film.cmpge(Vec2::ZERO).all() && film.cmplt(Vec2::ONE).all();
+        inside.then_some(film)
     }
 
-    /// Start of rays into the image: the [`origin`](Vertex::origin) of the pinhole, which is the same for all of them.
+    /// Index of the pixel at a film point, row by row.
     #[inline]
-    pub(crate) fn origin(&self) -> Vec3A {
-        self.origin
-    }
-
-    /// The point of the image that a direction from the pinhole passes through; `None` outside the image.
-    #[inline]
-    pub fn image_point(&self, direction: Vec3A) -> Option<Vec2> {
-        let cos = self.vertex.geometric_normal.dot(direction);
-        let image = Vec2::new(direction.dot(self.across), direction.dot(self.along)) / cos + 0.5;
-        let inside = cos > 0.0 && image.cmpge(Vec2::ZERO).all() && image.cmplt(Vec2::ONE).all();
-        inside.then_some(image)
-    }
-
-    /// Index of the pixel at a point of the image, row by row.
-    #[inline]
-    pub fn pixel(&self, image: Vec2) -> u32 {
-        let column = ((image.x * self.size[0] as f32) as u32).min(self.size[0] - 1);
-        let row = ((image.y * self.size[1] as f32) as u32).min(self.size[1] - 1);
+    pub fn pixel(&self, film: Vec2) -> u32 {
+        let column = ((film.x * self.size[0] as f32) as u32).min(self.size[0] - 1);
+        let row = ((film.y * self.size[1] as f32) as u32).min(self.size[1] - 1);
         row * self.size[0] + column
     }
 
-    /// W_e, per area of the pinhole and sr: 1/(A cos⁴θ), A the image's area at distance 1.
+    /// W_e from a vertex on the lens into a direction, per area of the pinhole and sr: 1/(A cos⁴θ), A the image's area at
+    /// distance 1.
     ///
     /// Source: [PharrJakobHumphreys16], section 16.1.1.
     #[inline]
-    pub fn w_e(&self, cos: f32) -> f32 {
+    pub fn w_e(&self, lens: &Vertex, direction: Vec3A) -> f32 {
+        let cos = lens.geometric_normal.dot(direction);
         1.0 / (self.area * cos * cos * cos * cos)
     }
 
-    /// Density per unit solid angle of the direction through a uniform point of the image, sr⁻¹: 1/(A cos³θ).
+    /// Density per unit solid angle of the direction from a vertex on the lens through a uniform film point, sr⁻¹: 1/(A cos³θ).
     #[inline]
-    pub fn pdf(&self, cos: f32) -> f32 {
+    pub fn pdf(&self, lens: &Vertex, direction: Vec3A) -> f32 {
+        let cos = lens.geometric_normal.dot(direction);
         1.0 / (self.area * cos * cos * cos)
     }
 }

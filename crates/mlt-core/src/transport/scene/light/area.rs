@@ -117,6 +117,23 @@ impl Light {
         }
     }
 
+    /// Lengths of the sides of the unit square; a mesh has one.
+    pub(crate) fn sides(&self) -> DVec2 {
+        match &self.shape {
+            Shape::Parallelogram { edges, .. } => DVec2::from_array(edges.map(|e| f64::from(e.length()))),
+            Shape::Triangles { .. } => DVec2::X,
+        }
+    }
+
+    /// Columns and rows of as many cells as a rectangle is to have; a mesh is cut along u alone, which runs through its
+    /// triangles.
+    pub(crate) fn grid(&self, size: [u32; 2]) -> [u32; 2] {
+        match self.shape {
+            Shape::Parallelogram { .. } => size,
+            Shape::Triangles { .. } => [size[0] * size[1], 1],
+        }
+    }
+
     /// Its centre of mass.
     pub fn centre(&self) -> Vec3 {
         match &self.shape {

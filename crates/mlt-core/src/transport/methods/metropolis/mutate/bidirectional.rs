@@ -12,7 +12,7 @@
 //!
 //! Source: [VeachGuibas97], section 5.3.1; in a stratum: [Jankauski15], section 4.2.
 
-use crate::engine::uniform;
+use crate::engine::{Mutation, uniform};
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::mis::Ends;
@@ -51,18 +51,16 @@ struct Edit {
     added: usize,
 }
 
-impl BidirectionalMutation<'_> {
-    /// It applies to every path.
-    pub fn suitability(&self, _current: &LightPath) -> f64 {
-        1.0
+impl<'a> Mutation<LightPath, LightStratum<'a>> for BidirectionalMutation<'_> {
+    fn name(&self) -> &'static str {
+        "bidirectional"
     }
 
-    /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
-    pub fn propose(
+    fn propose(
         &self,
         current: &LightPath,
         proposal: &mut LightPath,
-        within: &LightStratum,
+        within: &LightStratum<'a>,
         rng: &mut impl Rng,
     ) -> Option<f64> {
         let edit = Edit::draw(current.vertices.len(), within.max_edges(), rng)?;
@@ -72,7 +70,9 @@ impl BidirectionalMutation<'_> {
         self.trace(proposal, &edit, split, (within, region), rng)?;
         Some(edit.ratio(current, proposal, within))
     }
+}
 
+impl BidirectionalMutation<'_> {
     /// Traces the new vertices, `split` of them from the light's side, connects, and evaluates the path.
     fn trace(
         &self,

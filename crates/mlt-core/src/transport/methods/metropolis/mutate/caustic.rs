@@ -11,6 +11,8 @@
 
 use super::follow::{SUITABILITY, perturb_from_light};
 use super::lens::first_diffuse;
+use crate::engine::Mutation;
+use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::LightPath;
 use crate::transport::scene::View;
 use rand_pcg::rand_core::Rng;
@@ -22,16 +24,25 @@ pub struct CausticPerturbation<'a> {
     pub view: View<'a>,
 }
 
-impl CausticPerturbation<'_> {
+impl<'a> Mutation<LightPath, LightStratum<'a>> for CausticPerturbation<'_> {
+    fn name(&self) -> &'static str {
+        "caustic"
+    }
+
     /// Positive for paths of its form, else 0.
-    pub fn suitability(&self, current: &LightPath) -> f64 {
+    fn suitability(&self, current: &LightPath) -> f64 {
         let k = current.edges();
         let specular = |i: usize| current.vertices[i].vertex.delta;
         if k >= 3 && !specular(k - 1) && specular(k - 2) { SUITABILITY } else { 0.0 }
     }
 
-    /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
-    pub fn propose(&self, current: &LightPath, proposal: &mut LightPath, rng: &mut impl Rng) -> Option<f64> {
+    fn propose(
+        &self,
+        current: &LightPath,
+        proposal: &mut LightPath,
+        _: &LightStratum<'a>,
+        rng: &mut impl Rng,
+    ) -> Option<f64> {
         perturb_from_light(&self.view, current, proposal, first_diffuse(current, current.edges() - 1), rng)
     }
 }

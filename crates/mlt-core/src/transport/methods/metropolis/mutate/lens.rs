@@ -11,6 +11,7 @@
 //! Source: [VeachGuibas97], section 5.3.3.
 
 use super::follow::{FromEye, SUITABILITY};
+use crate::engine::Mutation;
 use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::LightPath;
 use crate::transport::scene::View;
@@ -27,20 +28,25 @@ impl<'a> LensPerturbation<'a> {
     pub fn new(view: View<'a>) -> Self {
         Self { from_eye: FromEye::new(view) }
     }
+}
+
+impl<'a> Mutation<LightPath, LightStratum<'a>> for LensPerturbation<'_> {
+    fn name(&self) -> &'static str {
+        "lens"
+    }
 
     /// Positive for paths of its form, else 0.
-    pub fn suitability(&self, current: &LightPath) -> f64 {
+    fn suitability(&self, current: &LightPath) -> f64 {
         let m = first_diffuse(current, current.edges());
         let connects = m == 0 || !current.vertices[m - 1].vertex.delta;
         if connects { SUITABILITY } else { 0.0 }
     }
 
-    /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
-    pub fn propose(
+    fn propose(
         &self,
         current: &LightPath,
         proposal: &mut LightPath,
-        within: &LightStratum,
+        within: &LightStratum<'a>,
         rng: &mut impl Rng,
     ) -> Option<f64> {
         self.from_eye.perturb(current, proposal, first_diffuse(current, current.edges()), within, rng)
@@ -110,7 +116,7 @@ mod tests {
         let events = |path: &LightPath| -> f64 {
             let probability = |i: usize| {
                 let x = &path.vertices[i];
-                world.scene.event_probability(&x.vertex, x.to_eye, -path.vertices[i - 1].to_eye)
+                world.scene.surface(&x.vertex).event_probability(x.to_eye, -path.vertices[i - 1].to_eye)
             };
             (first_diffuse(path, path.edges()) + 1..path.edges()).map(|i| f64::from(probability(i))).product()
         };

@@ -70,7 +70,7 @@ impl<'a> PathMutation<'a> {
         let mut chosen = vec![Self::Bidirectional(BidirectionalMutation { view })];
         chosen.extend(lens.then(|| Self::Lens(LensPerturbation::new(view))));
         chosen.extend(multi_chain.then(|| Self::MultiChain(MultiChainPerturbation::new(view))));
-        chosen.extend((caustic && view.scene.has_specular()).then_some(Self::Caustic(CausticPerturbation { view })));
+        chosen.extend((caustic && view.scene.needs().specular).then_some(Self::Caustic(CausticPerturbation { view })));
         chosen
     }
 }
@@ -78,10 +78,10 @@ impl<'a> PathMutation<'a> {
 impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
     fn name(&self) -> &'static str {
         match self {
-            Self::Bidirectional(_) => "bidirectional",
-            Self::Lens(_) => "lens",
-            Self::Caustic(_) => "caustic",
-            Self::MultiChain(_) => "multi-chain",
+            Self::Bidirectional(m) => m.name(),
+            Self::Lens(m) => m.name(),
+            Self::Caustic(m) => m.name(),
+            Self::MultiChain(m) => m.name(),
         }
     }
 
@@ -106,7 +106,7 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
         match self {
             Self::Bidirectional(m) => m.propose(current, proposal, within, rng),
             Self::Lens(m) => m.propose(current, proposal, within, rng),
-            Self::Caustic(m) => m.propose(current, proposal, rng),
+            Self::Caustic(m) => m.propose(current, proposal, within, rng),
             Self::MultiChain(m) => m.propose(current, proposal, within, rng),
         }
     }

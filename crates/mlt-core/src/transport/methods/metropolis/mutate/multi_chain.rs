@@ -17,7 +17,7 @@
 
 use super::follow::{FromEye, SUITABILITY};
 use super::lens::first_diffuse;
-use crate::engine::uniform;
+use crate::engine::{Mutation, uniform};
 use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::LightPath;
 use crate::transport::scene::View;
@@ -37,19 +37,24 @@ impl<'a> MultiChainPerturbation<'a> {
     pub fn new(view: View<'a>) -> Self {
         Self { from_eye: FromEye::new(view) }
     }
+}
+
+impl<'a> Mutation<LightPath, LightStratum<'a>> for MultiChainPerturbation<'_> {
+    fn name(&self) -> &'static str {
+        "multi-chain"
+    }
 
     /// Positive for paths with another vertex to move behind the first diffuse one, else 0.
-    pub fn suitability(&self, current: &LightPath) -> f64 {
+    fn suitability(&self, current: &LightPath) -> f64 {
         let m = first_diffuse(current, current.edges());
         if m >= 2 { SUITABILITY } else { 0.0 }
     }
 
-    /// Writes a path over `proposal` and returns T(y→x)/T(x→y).
-    pub fn propose(
+    fn propose(
         &self,
         current: &LightPath,
         proposal: &mut LightPath,
-        within: &LightStratum,
+        within: &LightStratum<'a>,
         rng: &mut impl Rng,
     ) -> Option<f64> {
         let mut m = next_end(current, first_diffuse(current, current.edges()));

@@ -93,7 +93,7 @@ fn target(path: &LightPath, view: &View, region: &LightRegion) -> f64 {
 fn events(view: &View, path: &LightPath) -> f64 {
     let probability = |i: usize| {
         let x = &path.vertices[i];
-        f64::from(view.scene.event_probability(&x.vertex, x.to_eye, -path.vertices[i - 1].to_eye))
+        f64::from(view.scene.surface(&x.vertex).event_probability(x.to_eye, -path.vertices[i - 1].to_eye))
     };
     (1..path.edges()).filter(|&i| path.vertices[i].vertex.delta).map(probability).product()
 }

@@ -14,10 +14,6 @@ use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;
 use std::cell::RefCell;
 
-/// Most edges of a path where no limit is asked for: roulette, which ends at least one in twenty at each step, reaches it
-/// with probability below 10⁻²⁰.
-pub const MOST_EDGES: usize = 1000;
-
 /// Vertices of a subpath that are traced without roulette.
 const CERTAIN_VERTICES: usize = 4;
 /// Largest probability of going on.

@@ -3,9 +3,11 @@
 //! What a path's parts contribute and how else they could have been made is known when the subpaths are traced; a
 //! connection adds what depends on its edge. [`Bidirectional::sample`] finds the same from whole paths.
 
-use super::bidirectional::{Bidirectional, Carried, LightSubpath, Scratch, Subpath};
+use super::sampler::{Bidirectional, Carried, LightSubpath, Scratch, Subpath};
 use crate::transport::bsdf::Evaluation;
 use crate::transport::geometry::Vertex;
+use crate::transport::methods::independent::ImageSampler;
+use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::mis::{Ends, square};
 use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd, PathVertex, emission, scattering};
 use glam::{DVec3, Vec2};
@@ -47,6 +49,16 @@ fn earlier_techniques(light: &[PathVertex], ends: Ends, (reverse, pdf): (f64, f3
         }
     };
     square(reverse / forward(last)) * (connects(last) + before)
+}
+
+impl ImageSampler for Bidirectional<'_> {
+    fn size(&self) -> [u32; 2] {
+        self.view.camera.size()
+    }
+
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+        self.sample_image(image, rng, visit);
+    }
 }
 
 impl Bidirectional<'_> {
@@ -107,7 +119,7 @@ impl Bidirectional<'_> {
         }
         let edge = Edge::between(&x.vertex, &y.vertex)?;
         let pixel = match t {
-            1 => Some(self.view.camera.pixel(self.view.camera.image_point(-edge.direction)?)),
+            1 => Some(self.view.camera.pixel(self.view.camera.project(&y.vertex, -edge.direction)?)),
             _ => None,
         };
         let at_x = match s {

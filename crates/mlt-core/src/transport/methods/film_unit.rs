@@ -1,9 +1,12 @@
 //! The range of values that an image's film has to hold.
 
+use super::bidirectional::Bidirectional;
+use super::independent::ImageSampler;
+use super::settings::MOST_EDGES;
+use super::sobol::OwenSobol;
 use crate::engine::uniform_f32;
 use crate::transport::colour::luminance;
 use crate::transport::lights::LightRegion;
-use crate::transport::methods::{Bidirectional, ImageSampler, MOST_EDGES, OwenSobol};
 use crate::transport::scene::View;
 use glam::Vec2;
 use rayon::prelude::*;

@@ -7,11 +7,12 @@
 //!
 //! Source: [Veach97], section 9.3 (the two techniques of direct lighting, power heuristic).
 
-use super::sobol::OwenSobol;
 use crate::engine::{uniform, uniform_f32};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::lights::NextEvent;
+use crate::transport::methods::independent::ImageSampler;
+use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::{Kind, LightEnd, PathEnd};
 use crate::transport::scene::{LightPoint, Sampled, View};
 use glam::{DVec3, Vec2, Vec3A};
@@ -54,20 +55,33 @@ struct Walk {
     straight: bool,
 }
 
+impl ImageSampler for PathTracer<'_> {
+    fn size(&self) -> [u32; 2] {
+        self.view.camera.size()
+    }
+
+    #[inline(always)]
+    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+        if self.view.camera.has_tiny_lights() {
+            self.see_light(rng, visit);
+        }
+        self.sample(image, rng, &mut |radiance, end| visit(None, radiance, end));
+    }
+}
+
 impl PathTracer<'_> {
     /// Takes one sample through a point of the image and shows `visit` its parts, whose expected sum is the radiance.
     #[inline(always)]
     pub fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
-        let camera = self.view.camera.vertex();
-        let step = self.view.camera.step(image);
-        let Some((vertex, passed)) = self.view.scene.follow_ray(self.view.camera.origin(), step, rng) else { return };
-        let direction = step.normalize();
-        let pdf = self.view.camera.has_tiny_lights().then(|| {
-            let cos = camera.geometric_normal.dot(direction);
-            self.view.camera.pdf(cos) * passed / vertex.position.distance_squared(camera.position)
-        });
+        let View { scene, camera } = self.view;
+        let ray = camera.sample(image);
+        let Some((vertex, passed)) = scene.follow_ray(ray.origin, ray.step, rng) else { return };
+        let (lens, direction) = (ray.vertex, ray.direction());
+        let pdf = camera
+            .has_tiny_lights()
+            .then(|| camera.pdf(&lens, direction) * passed / vertex.position.distance_squared(lens.position));
         let walk =
-            Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: camera, edges: 1, straight: true };
+            Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: lens, edges: 1, straight: true };
         self.gather(&walk, rng, visit);
         if self.branches == 1 {
             self.go_on(walk, rng, visit);
@@ -143,7 +157,7 @@ impl PathTracer<'_> {
         if !inverse_square.is_finite() || emitted == Rgb::ZERO {
             return None;
         }
-        let found = scene.evaluate(&walk.vertex, to_light, walk.to_eye)?;
+        let found = scene.surface(&walk.vertex).evaluate(to_light, walk.to_eye)?;
         let passed = scene.transmittance(&walk.vertex, &source);
         if passed == 0.0 {
             return None;
@@ -168,7 +182,7 @@ impl PathTracer<'_> {
         let step = source.position - eye.position;
         let square = step.length_squared();
         let direction = step / square.sqrt();
-        let pixel = camera.pixel(camera.image_point(direction)?);
+        let pixel = camera.pixel(camera.project(&eye, direction)?);
         let emitted = scene.emitted(&source, -direction);
         if square <= 0.0 || emitted == Rgb::ZERO {
             return None;
@@ -179,8 +193,8 @@ impl PathTracer<'_> {
         }
         let cos = eye.geometric_normal.dot(direction);
         let there = source.geometric_normal.dot(direction).abs() * passed / square;
-        let weight = power_heuristic(density as f32, camera.pdf(cos) * there);
-        let value = emitted.as_dvec3() * (f64::from(camera.w_e(cos) * cos * there * weight) / density);
+        let weight = power_heuristic(density as f32, camera.pdf(&eye, direction) * there);
+        let value = emitted.as_dvec3() * (f64::from(camera.w_e(&eye, direction) * cos * there * weight) / density);
         visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point) });
         Some(())
     }
@@ -189,7 +203,8 @@ impl PathTracer<'_> {
     #[inline(always)]
     fn scatter(&self, walk: &mut Walk, rng: &mut impl Rng) -> Option<()> {
         let scene = self.view.scene;
-        let Sampled { to_light: direction, weight, pdf } = scene.sample_to_light(&walk.vertex, walk.to_eye, rng)?;
+        let Sampled { to_light: direction, weight, pdf } =
+            scene.surface(&walk.vertex).sample_to_light(walk.to_eye, rng)?;
         walk.throughput *= weight;
         if walk.edges >= CERTAIN_BOUNCES {
             // The root makes paths longer than their throughput alone: less noise for the time (docs/performance.md).

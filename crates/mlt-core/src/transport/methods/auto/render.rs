@@ -1,0 +1,100 @@
+//! Renders as a plan says.
+
+use super::candidates::Sampler;
+use super::parts::SomePaths;
+use super::plan::{Plan, Summary};
+use super::{Pilot, PilotCounts};
+use crate::engine::{Metropolis, Mixture, Outcome};
+use crate::transport::image::PixelImportance;
+use crate::transport::lights::LightRegion;
+use crate::transport::methods::bidirectional::Bidirectional;
+use crate::transport::methods::independent::{AllPaths, ImageSampler, Independent};
+use crate::transport::methods::metropolis::{LightStratum, PathMutation};
+use crate::transport::methods::path_tracing::PathTracer;
+use crate::transport::methods::run::Run;
+use crate::transport::methods::settings::Settings;
+use crate::transport::methods::target::importance;
+use crate::transport::paths::LightPath;
+use crate::transport::scene::{View, rays_traced};
+
+/// Independent samples where they are better, Metropolis where it pays.
+pub struct Auto<'a> {
+    view: View<'a>,
+    settings: Settings,
+    importance: PixelImportance,
+    lights: LightRegion,
+    plan: Plan,
+    pilot: PilotCounts,
+}
+
+impl<'a> Auto<'a> {
+    /// Finds out which part of path space is sampled how: the pilot runs here.
+    pub fn new(view: View<'a>, settings: Settings) -> Self {
+        let (importance, lights) = (importance(view, &settings), LightRegion::whole(view.scene.lights()));
+        let (max_edges, &Settings { stratification, seed, per_pixel, .. }) = (settings.most_edges(), &settings);
+        let pilot =
+            Pilot { view, importance: &importance, lights: &lights, stratification, max_edges, seed, per_pixel };
+        let (plan, pilot) = pilot.run();
+        Self { view, settings, importance, lights, plan, pilot }
+    }
+
+    /// Follows a plan of the caller's.
+    pub fn with_plan(view: View<'a>, settings: Settings, plan: Plan) -> Self {
+        let (importance, lights) = (importance(view, &settings), LightRegion::whole(view.scene.lights()));
+        Self { view, settings, importance, lights, plan, pilot: PilotCounts::default() }
+    }
+
+    /// What was decided.
+    pub fn decision(&self) -> &Summary {
+        &self.plan.summary
+    }
+
+    /// Adds rounds.
+    pub fn render(&self, run: Run) -> Outcome {
+        let (view, region, run) = (self.view, &self.lights, run.after(self.pilot));
+        let edges = |images| self.plan.sampled_edges(images, self.settings.most_edges());
+        let (max_edges, max_image_edges) = (edges(false), edges(view.scene.needs().specular));
+        match self.plan.independent {
+            None => self.chains(run),
+            Some((Sampler::Path { branches }, samples)) => {
+                let next_event = region.next_event();
+                self.mixture(&PathTracer { view, next_event, max_edges, max_image_edges, branches }, samples, run)
+            }
+            Some((Sampler::Bidirectional, samples)) => {
+                self.mixture(&Bidirectional { view, region, max_edges: max_image_edges }, samples, run)
+            }
+        }
+    }
+
+    /// Chains alone.
+    fn chains(&self, run: Run) -> Outcome {
+        let (strata, mixture) = (self.strata(), Mixture::new(PathMutation::all(self.view)));
+        run.metropolis(&self.estimator(&strata, &mixture))
+    }
+
+    /// Independent samples of what is not left to chains, and chains for the rest.
+    fn mixture<T: ImageSampler>(&self, sampler: &T, samples_per_pixel: f64, run: Run) -> Outcome {
+        let (plan, seed) = (&self.plan, self.settings.seed);
+        if plan.shares.is_empty() {
+            return run.independent(&Independent { sampler, selection: AllPaths, samples_per_pixel, seed });
+        }
+        let kinds = plan.sampled();
+        let selection = SomePaths { lights: self.view.scene.lights(), strata: &plan.strata, kinds: &kinds };
+        let (strata, mixture) = (self.strata(), Mixture::new(PathMutation::all(self.view)));
+        let samples = Independent { sampler, selection, samples_per_pixel, seed };
+        run.mixture(samples, self.estimator(&strata, &mixture))
+    }
+
+    fn strata(&self) -> Vec<LightStratum<'_>> {
+        LightStratum::of_kinds(&self.plan.strata, &self.plan.chained, self.view, self.settings.most_edges())
+    }
+
+    fn estimator<'s>(
+        &'s self,
+        strata: &'s [LightStratum<'s>],
+        mixture: &'s Mixture<LightPath, LightStratum<'s>, PathMutation<'s>>,
+    ) -> Metropolis<'s, LightPath, LightStratum<'s>, PathMutation<'s>, PixelImportance> {
+        let (shares, importance, seed) = (&self.plan.shares, &self.importance, self.settings.seed);
+        Metropolis { strata, shares, mixture, importance, seed, work: rays_traced }
+    }
+}

@@ -1,0 +1,34 @@
+//! Bidirectional path tracing.
+
+mod connect;
+mod sampler;
+
+use super::independent::{AllPaths, Independent};
+use super::run::Run;
+use super::settings::Settings;
+use crate::engine::Outcome;
+use crate::transport::lights::LightRegion;
+use crate::transport::scene::View;
+
+pub use sampler::Bidirectional;
+
+/// Bidirectional path tracing, as often in every pixel.
+pub struct BidirectionalTracing<'a> {
+    view: View<'a>,
+    settings: Settings,
+    lights: LightRegion,
+}
+
+impl<'a> BidirectionalTracing<'a> {
+    /// Sets the method up.
+    pub fn new(view: View<'a>, settings: Settings) -> Self {
+        Self { view, settings, lights: LightRegion::whole(view.scene.lights()) }
+    }
+
+    /// Adds rounds.
+    pub fn render(&self, run: Run) -> Outcome {
+        let sampler = &Bidirectional { view: self.view, region: &self.lights, max_edges: self.settings.most_edges() };
+        let Settings { per_pixel: samples_per_pixel, seed, .. } = self.settings;
+        run.independent(&Independent { sampler, selection: AllPaths, samples_per_pixel, seed })
+    }
+}

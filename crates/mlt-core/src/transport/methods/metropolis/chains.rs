@@ -1,0 +1,93 @@
+//! What the chains of a render share with those of its pilot.
+
+use super::adapt::{Adaptation, Adapted, Pilot, Weights};
+use super::mutate::PathMutation;
+use super::stratum::{LightStratum, Variant};
+use crate::engine::{MUTATIONS_A_SAMPLE, Metropolis, Mixture, Share, shares_by_power};
+use crate::transport::image::{PixelImportance, error_weights};
+use crate::transport::lights::{LightRegion, LightStrata};
+use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample};
+use crate::transport::methods::settings::Settings;
+use crate::transport::methods::target::importance;
+use crate::transport::paths::LightPath;
+use crate::transport::scene::{View, rays_traced};
+
+/// Chains over paths, whatever the strata and their shares.
+pub(super) struct PathChains<'a> {
+    view: View<'a>,
+    settings: Settings,
+    importance: PixelImportance,
+    /// All lights.
+    lights: LightRegion,
+}
+
+impl<'a> PathChains<'a> {
+    pub(super) fn new(view: View<'a>, settings: Settings) -> Self {
+        let (importance, lights) = (importance(view, &settings), LightRegion::whole(view.scene.lights()));
+        Self { view, settings, importance, lights }
+    }
+
+    /// The strata asked for, and their shares as far as a pilot fits them.
+    pub(super) fn adapt(&self) -> Adapted {
+        let (view, size) = (self.view, self.view.camera.size());
+        let (max_edges, classes) = (self.settings.most_edges(), self.settings.classes);
+        let weights = match self.settings.variant {
+            Variant::Stratified => self.settings.adaptation.weights,
+            // All paths are one stratum.
+            Variant::MutationOnly => Weights::Power,
+        };
+        let pilot = Pilot {
+            lights: view.scene.lights(),
+            adaptation: Adaptation { weights, ..self.settings.adaptation },
+            mutations: self.mutations_per_round(),
+            classes: classes.count(max_edges, view.scene.needs().specular),
+            mutations_a_sample: mutations_a_sample(view, MUTATIONS_A_SAMPLE),
+            by_power: &|parts, mutations| {
+                let strata = LightStratum::product(parts, view, max_edges, classes);
+                shares_by_power(&strata, mutations, mutations_a_sample(view, MUTATIONS_A_SAMPLE))
+            },
+            measure: &|parts, shares, rounds| {
+                let strata = LightStratum::product(parts, view, max_edges, classes);
+                let mixture = self.mutations();
+                let estimator = self.estimator(&strata, shares, &mixture);
+                let found = estimator.pilot(view.camera.pixels(), rounds, &|image| error_weights(image, size));
+                (found.measures, found.tally)
+            },
+        };
+        pilot.run(self.settings.stratification)
+    }
+
+    /// Shares of a round by power, with as many independent samples as are worth their work, and the rays that this took.
+    pub(super) fn shares_by_power(&self, parts: &LightStrata) -> (Vec<Share>, u64) {
+        let strata = self.strata(parts);
+        let spread = |shares: &[Share]| self.estimator(&strata, shares, &self.mutations()).spread();
+        fitted_shares(self.view, Samples::OF_PATHS, &strata, self.mutations_per_round(), spread)
+    }
+
+    /// The strata of paths over parts of the lights.
+    pub(super) fn strata<'s>(&'s self, parts: &'s LightStrata) -> Vec<LightStratum<'s>> {
+        let (view, max_edges) = (self.view, self.settings.most_edges());
+        match self.settings.variant {
+            Variant::Stratified => LightStratum::product(parts, view, max_edges, self.settings.classes),
+            Variant::MutationOnly => vec![LightStratum::mutation_only(parts, &self.lights, view, max_edges)],
+        }
+    }
+
+    pub(super) fn mutations<'s>(&self) -> Mixture<LightPath, LightStratum<'s>, PathMutation<'a>> {
+        Mixture::new(PathMutation::with(self.settings.perturbations, self.view))
+    }
+
+    pub(super) fn estimator<'s>(
+        &'s self,
+        strata: &'s [LightStratum<'s>],
+        shares: &'s [Share],
+        mixture: &'s Mixture<LightPath, LightStratum<'s>, PathMutation<'s>>,
+    ) -> Metropolis<'s, LightPath, LightStratum<'s>, PathMutation<'s>, PixelImportance> {
+        let (seed, importance) = (self.settings.seed, &self.importance);
+        Metropolis { strata, shares, mixture, importance, seed, work: rays_traced }
+    }
+
+    fn mutations_per_round(&self) -> f64 {
+        self.settings.mutations_per_round(self.view)
+    }
+}

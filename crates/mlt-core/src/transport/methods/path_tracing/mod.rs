@@ -1,0 +1,34 @@
+//! Path tracing.
+
+mod tracer;
+
+use super::independent::{AllPaths, Independent};
+use super::run::Run;
+use super::settings::Settings;
+use crate::engine::Outcome;
+use crate::transport::lights::LightRegion;
+use crate::transport::scene::View;
+
+pub use tracer::PathTracer;
+
+/// Path tracing, as often in every pixel.
+pub struct PathTracing<'a> {
+    view: View<'a>,
+    settings: Settings,
+    lights: LightRegion,
+}
+
+impl<'a> PathTracing<'a> {
+    /// Sets the method up.
+    pub fn new(view: View<'a>, settings: Settings) -> Self {
+        Self { view, settings, lights: LightRegion::whole(view.scene.lights()) }
+    }
+
+    /// Adds rounds.
+    pub fn render(&self, run: Run) -> Outcome {
+        let (view, next_event, max_edges) = (self.view, self.lights.next_event(), self.settings.most_edges());
+        let sampler = &PathTracer { view, next_event, max_edges, max_image_edges: max_edges, branches: 1 };
+        let Settings { per_pixel: samples_per_pixel, seed, .. } = self.settings;
+        run.independent(&Independent { sampler, selection: AllPaths, samples_per_pixel, seed })
+    }
+}

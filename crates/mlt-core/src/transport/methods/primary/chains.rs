@@ -1,0 +1,76 @@
+//! What the two methods in primary sample space share.
+
+use super::Part;
+use crate::engine::{Importance, Metropolis, Mixture, Mutation, Outcome, Path, Share, Splat, Stratum};
+use crate::primary::{PrimaryImportance, PrimaryMutation};
+use crate::transport::image::PixelImportance;
+use crate::transport::lights::LightStrata;
+use crate::transport::methods::counts::PilotCounts;
+use crate::transport::methods::run::Run;
+use crate::transport::methods::samples::{Samples, fitted_shares};
+use crate::transport::methods::settings::Settings;
+use crate::transport::methods::target::importance;
+use crate::transport::scene::{View, rays_traced};
+
+/// Chains over random numbers, whatever is made of them.
+pub(super) struct PrimaryChains<'a> {
+    view: View<'a>,
+    settings: Settings,
+    importance: PixelImportance,
+    strata: LightStrata,
+}
+
+impl<'a> PrimaryChains<'a> {
+    pub(super) fn new(view: View<'a>, settings: Settings) -> Self {
+        let strata = LightStrata::new(view.scene.lights(), settings.stratification);
+        Self { view, importance: importance(view, &settings), strata, settings }
+    }
+
+    /// What the tracers share.
+    pub(super) fn part(&self) -> Part<'_, PixelImportance> {
+        let (view, strata, max_edges) = (self.view, &self.strata, self.settings.most_edges());
+        Part { view, strata, index: 0, max_edges, importance: &self.importance }
+    }
+
+    /// Pixels of the image.
+    pub(super) fn pixels(&self) -> u32 {
+        self.view.camera.pixels()
+    }
+
+    /// Shares of a round, and what finding them took.
+    pub(super) fn shares<P, S>(&self, strata: &[S], samples: Samples) -> (Vec<Share>, PilotCounts)
+    where
+        P: Path,
+        S: Stratum<P> + Sync,
+        PrimaryMutation: Mutation<P, S> + Sync,
+        PrimaryImportance: Importance<P>,
+    {
+        let mixture = Mixture::new(Vec::new());
+        let spread = |shares: &[Share]| self.estimator(strata, shares, &mixture).spread();
+        let mutations = self.settings.mutations_per_round(self.view);
+        let (shares, rays) = fitted_shares(self.view, samples, strata, mutations, spread);
+        (shares, PilotCounts { mutations: 0, rays })
+    }
+
+    /// Adds rounds.
+    pub(super) fn render<P, S>(&self, strata: &[S], shares: &[Share], large_steps: f64, run: Run) -> Outcome
+    where
+        P: Path<Splat = Splat<3>> + Send,
+        S: Stratum<P> + Sync,
+        PrimaryMutation: Mutation<P, S> + Sync,
+        PrimaryImportance: Importance<P>,
+    {
+        let mixture = Mixture::new(PrimaryMutation::both(large_steps));
+        run.metropolis(&self.estimator(strata, shares, &mixture))
+    }
+
+    fn estimator<'s, P, S>(
+        &self,
+        strata: &'s [S],
+        shares: &'s [Share],
+        mixture: &'s Mixture<P, S, PrimaryMutation>,
+    ) -> Metropolis<'s, P, S, PrimaryMutation, PrimaryImportance> {
+        let (importance, seed) = (&PrimaryImportance, self.settings.seed);
+        Metropolis { strata, shares, mixture, importance, seed, work: rays_traced }
+    }
+}

@@ -1,0 +1,90 @@
+//! What one call of a render adds to its film and its counts.
+
+use super::counts::{Counts, PilotCounts};
+use super::independent::{ImageSampler, Independent, SampleTally, Selection};
+use crate::engine::{
+    self, Estimator, Film, Importance, Metropolis, Mutation, Outcome, Path, Progress, Splat, Stratum, Sum, SumTally,
+    Tally,
+};
+use std::ops::{ControlFlow, Range};
+
+/// Called with the state of a render; it breaks to stop it.
+pub type Observer<'a> = dyn FnMut(Progress, &Film<3>) -> ControlFlow<()> + 'a;
+
+/// What one call of a render adds, and where to.
+pub struct Run<'r, 'o> {
+    /// The rounds, by their numbers.
+    pub rounds: Range<u64>,
+    /// What the rounds are added to.
+    pub film: &'r mut Film<3>,
+    /// What they count is added to.
+    pub counts: &'r mut Counts,
+    /// Told of every round.
+    pub observe: &'r mut Observer<'o>,
+}
+
+impl Run<'_, '_> {
+    /// The same after a pilot.
+    pub(super) fn after(self, pilot: PilotCounts) -> Self {
+        (self.counts.pilot_mutations, self.counts.pilot_rays) = (pilot.mutations, pilot.rays);
+        self
+    }
+
+    /// Runs chains.
+    pub(super) fn metropolis<P, S, M, I>(self, estimator: &Metropolis<P, S, M, I>) -> Outcome
+    where
+        P: Path<Splat = Splat<3>> + Send,
+        S: Stratum<P> + Sync,
+        M: Mutation<P, S> + Sync,
+        I: Importance<P> + Sync,
+    {
+        let counts = self.counts;
+        let mut tally = Tally { strata: std::mem::take(&mut counts.strata) };
+        let outcome = repeat(estimator, self.rounds, self.film, &mut tally, self.observe);
+        counts.mutations = estimator.mixture.mutations().iter().map(Mutation::<P, S>::name).collect();
+        counts.rays = tally.work();
+        counts.strata = tally.strata;
+        outcome
+    }
+
+    /// Takes independent samples.
+    pub(super) fn independent<T: ImageSampler>(self, estimator: &Independent<T>) -> Outcome {
+        let counts = self.counts;
+        let mut tally = SampleTally { samples: counts.samples, rays: counts.rays };
+        let outcome = repeat(estimator, self.rounds, self.film, &mut tally, self.observe);
+        (counts.samples, counts.rays) = (tally.samples, tally.rays);
+        outcome
+    }
+
+    /// Takes independent samples of some paths, and runs chains over the others.
+    pub(super) fn mixture<T, A, P, S, M, I>(self, samples: Independent<T, A>, chains: Metropolis<P, S, M, I>) -> Outcome
+    where
+        T: ImageSampler,
+        A: Selection,
+        P: Path<Splat = Splat<3>> + Send,
+        S: Stratum<P> + Sync,
+        M: Mutation<P, S> + Sync,
+        I: Importance<P> + Sync,
+    {
+        let (counts, mutations) = (self.counts, chains.mixture.mutations());
+        let tally = Tally { strata: std::mem::take(&mut counts.strata) };
+        let chain_rays = tally.work();
+        let mut tally = SumTally(SampleTally { samples: counts.samples, rays: counts.rays - chain_rays }, tally);
+        let outcome = repeat(&Sum(samples, chains), self.rounds, self.film, &mut tally, self.observe);
+        let SumTally(samples, tally) = tally;
+        counts.mutations = mutations.iter().map(Mutation::<P, S>::name).collect();
+        (counts.samples, counts.rays) = (samples.samples, samples.rays + tally.work());
+        counts.strata = tally.strata;
+        outcome
+    }
+}
+
+fn repeat<E: Estimator<3>>(
+    estimator: &E,
+    rounds: Range<u64>,
+    film: &mut Film<3>,
+    tally: &mut E::Tally,
+    observe: &mut Observer,
+) -> Outcome {
+    engine::render(estimator, rounds, film, tally, &mut |progress, film, _| observe(progress, film))
+}

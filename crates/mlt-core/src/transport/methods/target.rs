@@ -1,0 +1,37 @@
+//! The importance that a render's settings choose.
+
+use super::bidirectional::BidirectionalTracing;
+use super::counts::Counts;
+use super::film_unit::film_unit;
+use super::run::Run;
+use super::settings::{Method, Settings};
+use crate::engine::{Film, PILOT};
+use crate::transport::image::{PixelImportance, Target, luminance_and_error};
+use crate::transport::scene::View;
+use std::ops::ControlFlow;
+
+/// Samples a pixel of the image that a relative importance is made from.
+const SAMPLES_OF_LEVEL: f64 = 4.0;
+
+/// The importance of a render. A relative one is made from a quick image.
+pub(super) fn importance(view: View, settings: &Settings) -> PixelImportance {
+    match settings.target {
+        Target::Luminance => PixelImportance::default(),
+        Target::Relative => PixelImportance::relative(&quick_image(view, settings), view.camera.size()),
+    }
+}
+
+/// Luminance of each pixel, with noise.
+fn quick_image(view: View, settings: &Settings) -> Vec<f64> {
+    let &Settings { max_edges, seed, .. } = settings;
+    let method = Method::Bidirectional;
+    let quick = Settings { method, max_edges, seed, per_pixel: SAMPLES_OF_LEVEL, ..Settings::default() };
+    let mut film = Film::new(view.camera.pixels(), film_unit(view));
+    BidirectionalTracing::new(view, quick).render(Run {
+        rounds: PILOT..PILOT + 1,
+        film: &mut film,
+        counts: &mut Counts::default(),
+        observe: &mut |_, _| ControlFlow::Continue(()),
+    });
+    (0..film.sites() as usize).map(|i| luminance_and_error(&film, i).0).collect()
+}
