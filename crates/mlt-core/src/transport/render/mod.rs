@@ -15,7 +15,7 @@ use crate::transport::methods::counts::PilotCounts;
 use crate::transport::methods::metropolis::adapt::{Adapted, Pilot};
 use crate::transport::methods::metropolis::{Adaptation, LightStratum, PathMutation, Variant, Weights};
 use crate::transport::methods::primary::{AllConnections, Multiplexed, Part, Techniques};
-use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample};
+use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample, with_met};
 use crate::transport::methods::{
     AllPaths, Bidirectional, ImageSampler, Independent, MOST_EDGES, PathTracer, SampleTally, auto,
 };
@@ -120,7 +120,8 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
     /// Chooses the strata and their shares.
     fn adapt(&mut self) {
         let mutations = self.mutations_a_round();
-        let (view, max_edges, classes) = (self.view, self.max_edges(), self.settings.classes);
+        let (view, max_edges) = (self.view, self.max_edges());
+        let Settings { classes, stratification, .. } = self.settings;
         let weights = match self.settings.variant {
             Variant::Stratified => self.settings.adaptation.weights,
             // All paths are one stratum.
@@ -130,7 +131,7 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             lights: self.view.scene.lights(),
             adaptation: Adaptation { weights, ..self.settings.adaptation },
             mutations,
-            classes: classes.count(max_edges, view.scene.has_specular()),
+            classes: classes.count(max_edges, view.scene.has_specular() && stratification == Stratification::None),
             mutations_a_sample: mutations_a_sample(view, MUTATIONS_A_SAMPLE),
             by_power: &|strata, mutations| {
                 let strata = LightStratum::product(strata, view, max_edges, classes);
@@ -138,22 +139,23 @@ impl<'a, I: Importance<LightPath> + Sync> Renderer<'a, I> {
             },
             measure: &|strata, shares, rounds| {
                 let strata = LightStratum::product(strata, view, max_edges, classes);
+                let shares = with_met(&strata, shares.to_vec());
                 let size = self.view.camera.size();
                 let mixture = self.mutations();
-                let estimator = self.estimator(&strata, shares, &mixture);
+                let estimator = self.estimator(&strata, &shares, &mixture);
                 let found = estimator.pilot(self.view.camera.pixels(), rounds, &|image| error_weights(image, size));
                 (found.measures, found.tally)
             },
         };
-        let Adapted { strata, shares, tally } = pilot.run(self.settings.stratification);
+        let Adapted { strata, shares, tally } = pilot.run(stratification);
         (self.strata, self.pilot) = (strata, PilotCounts::of(&tally));
-        self.shares = shares.unwrap_or_else(|| {
-            let strata = self.path_strata(&self.strata);
+        let strata = self.path_strata(&self.strata);
+        let (shares, rays) = shares.map(|shares| (shares, 0)).unwrap_or_else(|| {
             let spread = |shares: &[Share]| self.estimator(&strata, shares, &self.mutations()).spread();
-            let (shares, rays) = fitted_shares(view, Samples::OF_PATHS, &strata, mutations, spread);
-            self.pilot.rays += rays;
-            shares
+            fitted_shares(view, Samples::OF_PATHS, &strata, mutations, spread)
         });
+        self.shares = with_met(&strata, shares);
+        self.pilot.rays += rays;
     }
 
     /// The strata of paths over parts of the lights.
