@@ -70,6 +70,12 @@ pub(crate) fn density(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
     ends.preference(s) * from_light * from_eye
 }
 
+/// Whether nothing but a camera subpath that meets the light by chance makes a path: no two neighbours may be connected.
+#[inline]
+pub(crate) fn met_by_chance(vertices: &[PathVertex]) -> bool {
+    (1..vertices.len()).all(|s| !connectible(vertices, s))
+}
+
 /// The power heuristic's weight of technique s, which must have a positive density: p_s² / Σ_i p_i².
 ///
 /// Source: [Veach97], sections 9.2.4 and 10.2.1.

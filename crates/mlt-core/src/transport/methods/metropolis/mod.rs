@@ -7,6 +7,7 @@ pub(super) mod stratum;
 
 use super::counts::PilotCounts;
 use super::run::Run;
+use super::samples::with_met;
 use super::settings::Settings;
 use crate::engine::{Outcome, Share};
 use crate::transport::lights::LightStrata;
@@ -37,6 +38,7 @@ impl<'a> PathMetropolis<'a> {
             pilot.rays += rays;
             shares
         });
+        let shares = with_met(&chains.strata(&strata), shares);
         Self { chains, strata, shares, pilot }
     }
 
