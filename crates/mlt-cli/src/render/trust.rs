@@ -176,7 +176,7 @@ mod tests {
     fn unmet_light_is_a_share_of_all_light() {
         // Half of a stratum's energy is worth 1/8 to a sample, half 256: the 40 samples of weight 2 meet that 0.16 times.
         let mut chains = stratum(40, 2.0);
-        [0.125, 256.0].map(|value| chains.rarity.add(value, 1.0, 1.0));
+        (0..8).for_each(|i| chains.rarity.add([0.125, 256.0][i % 2], 1.0, 1.0));
         let mut counts = Counts { strata: vec![chains, stratum(40, 2.0)], ..Counts::default() };
         counts.strata[0].idle = 1;
         assert_eq!(unmet_light(&counts, 8.0), Some(0.25));

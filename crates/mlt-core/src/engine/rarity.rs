@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 
 /// Hits that are too few to know the energy of a set of states.
 const FEW: f64 = 10.0;
+/// Least number of states that say anything: a chain gives two.
+const LEAST_STATES: u64 = 4;
 
 /// The energy that chains saw, by the number of independent samples that find it.
 ///
@@ -17,35 +19,50 @@ const FEW: f64 = 10.0;
 /// with its b̂, as they do in the image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rarity {
-    /// Σ b̂ over the states that were looked at, by ⌊log₂ v⌋.
-    octaves: BTreeMap<i32, f64>,
+    /// By ⌊log₂ v⌋.
+    octaves: BTreeMap<i32, Octave>,
+}
+
+/// States that were looked at, and Σ b̂ over them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Octave {
+    states: u64,
+    energy: f64,
+}
+
+impl Octave {
+    fn add(&mut self, other: Self) {
+        self.states += other.states;
+        self.energy += other.energy;
+    }
 }
 
 impl Rarity {
     /// Takes in a state of a chain whose round has found b̂ = `b`.
     pub fn add(&mut self, importance: f64, density: f64, b: f64) {
         let octave = log2(importance / density).floor() as i32;
-        *self.octaves.entry(octave).or_default() += b;
+        self.octaves.entry(octave).or_default().add(Octave { states: 1, energy: b });
     }
 
     /// Adds others.
     pub fn merge(&mut self, other: &Self) {
-        other.octaves.iter().for_each(|(&octave, energy)| *self.octaves.entry(octave).or_default() += energy);
+        other.octaves.iter().for_each(|(&octave, states)| self.octaves.entry(octave).or_default().add(*states));
     }
 
     /// Share of the energy in states of the largest values v that all samples together, Σ of whose weights is m b̂ = `weight_sum`,
-    /// were to show fewer than ten times. Values are rounded down, so that it is no more than that; 0 without states.
+    /// were to show fewer than ten times. Values are rounded down, so that it is no more than that; 0 where it is told by less than
+    /// four states.
     pub fn unmet(&self, weight_sum: f64) -> f64 {
-        let all: f64 = self.octaves.values().sum();
-        let (mut hits, mut unmet) = (0.0, 0.0);
-        for (&octave, energy) in self.octaves.iter().rev() {
-            hits += weight_sum * energy / all * libm::exp2(-f64::from(octave));
+        let all: f64 = self.octaves.values().map(|octave| octave.energy).sum();
+        let (mut hits, mut unmet) = (0.0, Octave::default());
+        for (&octave, states) in self.octaves.iter().rev() {
+            hits += weight_sum * states.energy / all * libm::exp2(-f64::from(octave));
             if hits >= FEW {
                 break;
             }
-            unmet += energy;
+            unmet.add(*states);
         }
-        if all > 0.0 { unmet / all } else { 0.0 }
+        if unmet.states < LEAST_STATES { 0.0 } else { unmet.energy / all }
     }
 }
 

@@ -158,7 +158,7 @@ mod tests {
     use super::*;
     use crate::engine::{Purpose, generator};
     use crate::transport::lights::Stratification;
-    use crate::transport::tests::worlds::{pond, room, rough_metal};
+    use crate::transport::tests::worlds::{lamps, room, rough_metal};
 
     /// E[Σ 1] over the states that a sample shows, and by their weights and the density that a stratum tells, E[Σ w/p · q]:
     /// z of their difference. Paths of three edges are too short for roulette.
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_sample_shows_states_as_often_as_their_density_says() {
-        for world in [room(rough_metal(), false), pond()] {
+        for world in [room(rough_metal(), false), lamps()] {
             let view = world.view();
             let lights = |stratification| LightStrata::new(view.scene.lights(), stratification);
             let (whole, halves) = (lights(Stratification::None), lights(Stratification::Grid(2, 1)));
