@@ -172,14 +172,15 @@ where
             &mut stream(Purpose::Start),
         );
         let chain = start.and_then(|x| Chain::new(self.mixture, self.importance, &self.strata[stratum], x));
-        let scale = prepared.bootstraps[stratum].b() / self.shares[stratum].mutations as f64;
+        let b = prepared.bootstraps[stratum].b();
+        let scale = b / self.shares[stratum].mutations as f64;
         let mut rng: Generator = stream(Purpose::Chain);
         let mut stats = StratumStats::default();
         match chain {
             Some(mut chain) => {
                 for half in [mutations / 2, mutations.div_ceil(2)] {
                     (0..half).for_each(|_| chain.step(deposits, scale, &mut rng));
-                    chain.end_half();
+                    chain.end_half(b);
                 }
                 chain.flush(deposits, scale);
                 stats = chain.into_stats();

@@ -1,6 +1,6 @@
 //! What chains count.
 
-use super::HalfChains;
+use super::{HalfChains, Rarity};
 
 /// Outcomes of one mutation's proposals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,6 +61,8 @@ pub struct StratumStats {
     pub refused_starts: u64,
     /// Whether the chains agree.
     pub halves: HalfChains,
+    /// How often samples meet what the chains visit.
+    pub rarity: Rarity,
     /// Work of the chains, in the unit of [`Metropolis::work`](super::Metropolis::work).
     pub chain_work: u64,
     /// Work of the independent samples, in the same unit.
@@ -110,6 +112,7 @@ impl StratumStats {
         self.dark_rounds += other.dark_rounds;
         self.refused_starts += other.refused_starts;
         self.halves.merge(&other.halves);
+        self.rarity.merge(&other.rarity);
         self.chain_work += other.chain_work;
         self.sample_work += other.sample_work;
     }

@@ -76,6 +76,12 @@ pub(crate) fn met_by_chance(vertices: &[PathVertex]) -> bool {
     (1..vertices.len()).all(|s| !connectible(vertices, s))
 }
 
+/// p_s/g of all techniques; 0 where the path cannot be connected.
+pub(crate) fn densities(vertices: &[PathVertex], ends: Ends) -> impl Iterator<Item = f64> + Clone {
+    let of = move |s| if connectible(vertices, s) { density(vertices, s, ends) } else { 0.0 };
+    (0..vertices.len()).map(of)
+}
+
 /// The power heuristic's weight of technique s, which must have a positive density: p_s² / Σ_i p_i².
 ///
 /// Source: [Veach97], sections 9.2.4 and 10.2.1.

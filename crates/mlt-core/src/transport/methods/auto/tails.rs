@@ -124,15 +124,12 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
     fn unmet(&self, path: &LightPath, largest: [f64; 2]) -> [Tail; 2] {
         let vertices = path.vertices();
         let ends = Ends::new(path, &self.view, self.lights, 1.0);
-        let density = |s: usize| if mis::connectible(vertices, s) { mis::density(vertices, s, ends) } else { 0.0 };
+        let densities = mis::densities(vertices, ends);
         let contribution = path.contribution().element_sum();
         // Path tracing seldom draws points of the lights for the camera.
         let drawn = path.edges() > 1 || self.view.camera.has_tiny_lights();
-        let of_path = [density(0), if drawn { density(1) } else { 0.0 }];
-        let tails = [
-            beyond(of_path.into_iter(), contribution, largest[0]),
-            beyond((0..vertices.len()).map(density), contribution, largest[1]),
-        ];
+        let of_path = densities.clone().take(1 + usize::from(drawn));
+        let tails = [beyond(of_path, contribution, largest[0]), beyond(densities, contribution, largest[1])];
         let weight = self.weights[path.pixel as usize] / self.importance.eval(path);
         tails.map(|tail| Tail { moment: weight * tail.moment, ..tail })
     }

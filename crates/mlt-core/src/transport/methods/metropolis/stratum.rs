@@ -3,7 +3,7 @@
 use crate::engine::{Stratum, uniform_f32};
 use crate::transport::lights::{LightRegion, LightStrata};
 use crate::transport::methods::bidirectional::Bidirectional;
-use crate::transport::paths::mis::met_by_chance;
+use crate::transport::paths::mis::{self, Ends, met_by_chance};
 use crate::transport::paths::{Classes, Kinds, LightPath, PathClass};
 use crate::transport::scene::{LightPoint, View};
 use glam::Vec2;
@@ -185,9 +185,56 @@ impl Stratum<LightPath> for LightStratum<'_> {
         }
     }
 
+    fn density(&self, path: &LightPath) -> f64 {
+        let Bidirectional { view, region, .. } = &self.sampler;
+        let ends = Ends::new(path, view, region, self.image_area());
+        mis::densities(path.vertices(), ends).sum()
+    }
+
     /// What is met by chance counts as much as an average part of the lights.
     fn power(&self) -> f64 {
         let parts = if self.is_met() { self.strata.regions().len() } else { 1 };
         self.sampler.region.power() / parts as f64 * self.image_area()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Purpose, generator};
+    use crate::transport::lights::Stratification;
+    use crate::transport::tests::worlds::{lamps, room, rough_metal};
+
+    /// E[Σ 1] over the states that a sample shows, and by their weights and the density that a stratum tells, E[Σ w/p · q]:
+    /// z of their difference. Paths of three edges are too short for roulette.
+    fn z(drawn: &LightStratum, told: &LightStratum) -> f64 {
+        let n = 40_000;
+        let difference = |i: u64| {
+            let mut difference = 0.0;
+            drawn.sample(&mut generator(7, Purpose::Sample, 0, 0, i), &mut |path, weight| {
+                difference += weight * told.density(path) - 1.0;
+            });
+            difference
+        };
+        let (sum, squares) = (0..n).map(difference).fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
+        let mean = sum / n as f64;
+        mean / ((squares / n as f64 - mean * mean) / n as f64).sqrt()
+    }
+
+    #[test]
+    fn a_sample_shows_states_as_often_as_their_density_says() {
+        for world in [room(rough_metal(), false), lamps()] {
+            let view = world.view();
+            let lights = |stratification| LightStrata::new(view.scene.lights(), stratification);
+            let (whole, halves) = (lights(Stratification::None), lights(Stratification::Grid(2, 1)));
+            let [whole, halves] = [&whole, &halves].map(|strata| LightStratum::all(strata, view, 3));
+            for stratum in [&whole[0], &halves[0]] {
+                let found = z(stratum, stratum);
+                assert!(found.abs() < 4.0, "{found}");
+            }
+            // The negative control: the density of samples on twice as large a part of the lights.
+            let wrong = z(&halves[0], &whole[0]);
+            assert!(wrong.abs() > 4.0, "{wrong}");
+        }
     }
 }
