@@ -109,7 +109,7 @@ pub(crate) fn weight(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
 }
 
 /// c_s = λ_s² if x_{s−1} and x_s may be connected, else 0.
-#[inline]
+#[inline(always)]
 pub(crate) fn allowed(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
     if connectible(vertices, s) { square(ends.preference(s)) } else { 0.0 }
 }

@@ -174,8 +174,13 @@ impl Scene {
     /// Whether nothing stands between two vertices.
     #[inline(always)]
     pub fn visible(&self, a: &Vertex, b: &Vertex) -> bool {
+        self.is_clear(Self::segment(a, b))
+    }
+
+    /// Whether nothing stands on a segment.
+    #[inline(always)]
+    fn is_clear(&self, [from, to]: [Vec3A; 2]) -> bool {
         RAYS.set(RAYS.get() + 1);
-        let [from, to] = Self::segment(a, b);
         !self.accel.occluded(&Ray { origin: from.into(), direction: (to - from).into(), t_max: 1.0 })
     }
 
@@ -213,23 +218,32 @@ impl Scene {
     #[inline(always)]
     fn vertex(&self, hit: &Hit, ray: &Ray) -> Vertex {
         let p = &self.primitives[hit.primitive as usize];
-        if p.coarse | p.shared { self.vertex_apart(hit, ray) } else { self.interpolated(hit) }
+        if p.coarse | p.shared
+            && let Some(apart) = self.vertex_apart(*hit, *ray)
+        {
+            return apart;
+        }
+        self.interpolated(hit)
     }
 
-    /// The vertex of a hit on a triangle that is coarse or shares its place.
+    /// The vertex of a hit on a triangle that is coarse or shares its place; `None`: that of any other hit. By value: what a call
+    /// refers to has to lie in memory even where it is not made.
     #[cold]
-    fn vertex_apart(&self, hit: &Hit, ray: &Ray) -> Vertex {
+    fn vertex_apart(&self, hit: Hit, ray: Ray) -> Option<Vertex> {
         let position = Vec3A::from(ray.at(ray.plane_parameter(self.primitives[hit.primitive as usize].vertices)));
         let primitive = self.seen(hit.primitive, position, Vec3A::from(-ray.direction));
         let p = &self.primitives[primitive as usize];
+        if primitive == hit.primitive && !p.coarse {
+            return None;
+        }
         let [u, v] =
             if primitive == hit.primitive { Some([hit.u, hit.v]) } else { p.weights(position) }.unwrap_or_default();
-        let vertex = self.interpolated(&Hit { primitive, u, v, ..*hit });
+        let vertex = self.interpolated(&Hit { primitive, u, v, ..hit });
         if !p.coarse {
-            return vertex;
+            return Some(vertex);
         }
         let error = vertex.error.max(ERROR_FACTOR * position.abs().max_element());
-        Vertex { position: ray.at(ray.plane_parameter(p.vertices)).into(), error, ..vertex }
+        Some(Vertex { position: ray.at(ray.plane_parameter(p.vertices)).into(), error, ..vertex })
     }
 
     /// Whether another surface is seen in a vertex's place from a direction.

@@ -248,9 +248,13 @@ impl Bidirectional<'_> {
     }
 
     /// Draws x_0 for the last of the camera's first t vertices, where that has a choice and may be connected.
+    #[inline(always)]
     pub(crate) fn start_near(&self, scratch: &mut Scratch, t: usize) {
+        if !self.region.next_event().has_choice() {
+            return;
+        }
         let x_1 = &scratch.eye.vertices[scratch.eye.vertices.len() - t].vertex;
-        if self.region.next_event().has_choice() && !x_1.delta {
+        if !x_1.delta {
             let (x_0, point, preference) = start_near(&self.view, self.region, x_1, scratch.light_numbers);
             scratch.near.start(1, (x_0, point), self.region.power(), preference);
         }
