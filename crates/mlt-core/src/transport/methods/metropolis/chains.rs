@@ -2,7 +2,8 @@
 
 use super::adapt::{Adaptation, Adapted, Pilot, Weights};
 use super::mutate::PathMutation;
-use super::stratum::{LightStratum, Variant};
+use super::stratum::LightStratum;
+use super::variant::Variant;
 use crate::engine::{MUTATIONS_A_SAMPLE, Metropolis, Mixture, Share, shares_by_power};
 use crate::transport::image::{PixelImportance, error_weights};
 use crate::transport::lights::{LightRegion, LightStrata, Stratification};

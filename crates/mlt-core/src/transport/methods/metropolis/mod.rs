@@ -3,7 +3,8 @@
 pub(super) mod adapt;
 mod chains;
 pub mod mutate;
-pub(super) mod stratum;
+mod stratum;
+pub(super) mod variant;
 
 use super::counts::PilotCounts;
 use super::run::Run;
@@ -17,7 +18,8 @@ use chains::PathChains;
 
 pub use adapt::{Adaptation, Weights};
 pub use mutate::{PathMutation, Perturbations};
-pub use stratum::{LightStratum, Variant};
+pub use stratum::LightStratum;
+pub use variant::Variant;
 
 /// Stratified Metropolis light transport.
 pub struct PathMetropolis<'a> {

@@ -9,20 +9,7 @@ use crate::transport::scene::{LightPoint, View};
 use glam::Vec2;
 use rand_pcg::rand_core::Rng;
 
-/// What a stratum restricts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Variant {
-    /// The importance and the bidirectional mutation: I_j is 0 outside Ω_j.
-    #[default]
-    Stratified,
-    /// The bidirectional mutation alone: one chain space Ω, in which the light end is drawn again on the part of the lights
-    /// that the current path starts on.
-    ///
-    /// Source: [Jankauski15], section 6.1.
-    MutationOnly,
-}
-
-/// Ω_j: the paths of one class that start in part j of the lights; with [`Variant::MutationOnly`] all of them.
+/// Ω_j: the paths of one class that start in part j of the lights; with [`Variant::MutationOnly`](super::Variant::MutationOnly) all of them.
 ///
 /// Paths that nothing but a camera subpath meets (L S S E, L S D S E) are strata of their own, not cut by the lights' parts: none
 /// of their light ends can be drawn, and each of K parts would keep a Kth of those that its samples meet.
