@@ -162,7 +162,7 @@ fn a_dark_stratum_costs_almost_nothing() {
         ..Settings::default()
     };
     let counts = stage.render(&settings, 4).1;
-    let (dark, lit): (Vec<_>, Vec<_>) = counts.strata.iter().partition(|s| s.b() == 0.0);
+    let (dark, lit): (Vec<_>, Vec<_>) = counts.chains.strata.iter().partition(|s| s.b() == 0.0);
     let work = |s: &mlt_core::engine::StratumStats| s.chain_work + s.sample_work;
     assert_eq!((dark.len(), lit.len(), dark[0].steps(), dark[0].dark_rounds), (1, 1, 0, 4));
     assert!(dark[0].samples > 0, "it is still looked at");

@@ -74,19 +74,18 @@
 //!     }
 //! }
 //!
-//! let metropolis = Metropolis {
-//!     strata: &[Half { low: 0.0 }, Half { low: 0.5 }],
-//!     shares: &[Share { mutations: 100, samples: 50 }; 2],
-//!     mixture: &Mixture::new(vec![Nudge]),
-//!     importance: &|x: &X| x.0, // any positive function will do; the better it follows f, the less noise
-//!     seed: 7,
-//!     work: || 0,
-//! };
+//! let share = Share { mutations: 100, samples: 50 };
+//! let strata = [(Half { low: 0.0 }, share), (Half { low: 0.5 }, share)];
+//! let mixture = Mixture::new(vec![Nudge]);
+//! let importance = |x: &X| x.0; // any positive function will do; the better it follows f, the less noise
+//! let metropolis = Metropolis::new(&strata, &mixture, &importance, 7)?;
 //! let (mut film, mut tally) = (Film::new(1, 1.0), Tally::default());
 //! render(&metropolis, 0..400, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
 //! let [pixel] = film.pixel(0);
 //! assert!((pixel.mean - 1.0 / 3.0).abs() < 4.0 * pixel.stderr);
 //! assert!(pixel.stderr < 0.002);
+//! assert!(tally.warnings().is_empty()); // no gap, no overlap, no sampler that gives another sample the second time
+//! # Ok::<(), mlt_core::engine::SetupError>(())
 //! ```
 
 pub mod engine;

@@ -40,7 +40,7 @@ impl Trust {
         Self {
             worst_pixels: enough.then(|| worst_pixels(film, size)).flatten(),
             largest_round: enough.then(|| blocks.largest_round()).flatten(),
-            starts: starts(&counts.strata),
+            starts: starts(&counts.chains.strata),
         }
     }
 

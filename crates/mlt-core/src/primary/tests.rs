@@ -97,15 +97,9 @@ fn skewed(factor: f64) -> Mixture<State, PrimaryStratum<Toy>, Skewed> {
 /// Largest |z| of a site's mean over 3,000 rounds of 40 mutations a stratum.
 fn largest_z(cuts: &[f64], factor: f64) -> f64 {
     let (strata, mixture) = (strata(cuts), skewed(factor));
-    let shares = vec![Share { mutations: 40, samples: 8 }; strata.len()];
-    let metropolis = Metropolis {
-        strata: &strata,
-        shares: &shares,
-        mixture: &mixture,
-        importance: &PrimaryImportance,
-        seed: 5,
-        work: || 0,
-    };
+    let share = Share { mutations: 40, samples: 8 };
+    let strata: Vec<_> = strata.into_iter().map(|stratum| (stratum, share)).collect();
+    let metropolis = Metropolis::new(&strata, &mixture, &PrimaryImportance, 5).expect("sound");
     let (mut film, mut tally) = (Film::<1>::new(SITES as u32, 1.0), Tally::default());
     render(&metropolis, 0..3000, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
     let z = |site| {
