@@ -17,6 +17,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`check`] | Tests of one's own sampler, strata and mutations. |
 //! | [`engine`] | Metropolis sampling of any state space, as traits. It knows no vector, no scene, no light. |
 //! | [`measure`] | Measures of the error of an image against a reference. |
 //! | [`memory`] | A budget of memory that all who allocate much of it share. |
@@ -88,6 +89,7 @@
 //! # Ok::<(), mlt_core::engine::SetupError>(())
 //! ```
 
+pub mod check;
 pub mod engine;
 mod instructions;
 pub mod measure;

@@ -129,7 +129,7 @@ where
         let (stratum, share) = &self.strata[j];
         let last = share.samples.min(first + BOOTSTRAP_BLOCK);
         let mut coverage = Coverage::default();
-        let is_due = Coverage::is_due(round, j, first / BOOTSTRAP_BLOCK, self.strata.len());
+        let is_due = self.is_looked_at(round, j, first / BOOTSTRAP_BLOCK);
         let mut weight = |i| {
             self.key(round, j, i).weight(stratum, self.importance, &mut |path, weight| {
                 if i == first && is_due && weight > 0.0 {
@@ -140,6 +140,11 @@ where
         };
         let weights = (first..last).map(&mut weight).collect();
         Weighed { weights, coverage, work: (self.work)() - before }
+    }
+
+    /// Whether it is a chain's turn, or a block of samples', to have its states looked at.
+    fn is_looked_at(&self, round: u64, stratum: usize, index: u64) -> bool {
+        S::OF_ONE_SPACE && Coverage::is_due(round, stratum, index, self.strata.len())
     }
 
     /// Number of strata that a state lies in.
@@ -217,7 +222,7 @@ where
                     chain.end_half();
                 }
                 chain.flush(deposits, scale);
-                let is_due = Coverage::is_due(prepared.round, stratum, index, self.strata.len());
+                let is_due = self.is_looked_at(prepared.round, stratum, index);
                 let coverage = if is_due { self.strays(chain.strays()) } else { Coverage::default() };
                 stats = StratumStats { coverage, ..chain.into_stats() };
             }

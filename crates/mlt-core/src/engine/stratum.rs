@@ -4,6 +4,10 @@ use rand_pcg::rand_core::Rng;
 
 /// Ω_j: the strata given to one render are disjoint and cover every state of positive importance.
 pub trait Stratum<P> {
+    /// Whether all strata of this type are parts of one space, so that any of them can be asked about a state of any other;
+    /// `false` where each is a space of its own. What a render finds of gaps and overlaps, it finds by asking.
+    const OF_ONE_SPACE: bool = true;
+
     /// Whether x ∈ Ω_j.
     fn contains(&self, path: &P) -> bool;
 

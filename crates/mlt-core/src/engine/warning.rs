@@ -4,7 +4,7 @@ use super::{MutationStats, StratumStats, Tally};
 use std::fmt;
 
 /// Share of Σ b_j from which a stratum is bright enough that its noise matters to the image.
-const NOTABLE: f64 = 0.01;
+const NOTABLE: f64 = 0.05;
 /// Independent states that are too few to know how bright a part of the image is, let alone its error.
 const FEW_STATES: f64 = 50.0;
 /// Strata that a warning names.

@@ -21,5 +21,5 @@ mod tracer;
 pub use mutation::{LargeStep, PrimaryMutation, SmallStep};
 pub use path::{PrimaryImportance, PrimaryPath};
 pub use stratum::PrimaryStratum;
-pub use stream::{Stream, Streams};
+pub use stream::{StepSize, Stream, Streams};
 pub use tracer::{Output, Tracer};
