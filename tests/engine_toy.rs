@@ -283,7 +283,8 @@ fn rounds_can_be_made_apart_and_merged() {
     let (whole, _) = problem.run(6, 0..8);
     let (mut late, _) = problem.run(6, 3..8);
     let (early, _) = problem.run(6, 0..3);
-    assert!(late.merge(&early));
+    assert_eq!(late.merge(&early), Ok(()));
+    assert!(late.merge(&early).is_err(), "twice");
     assert_eq!(bits(&whole), bits(&late));
     assert_eq!(whole.rounds(), late.rounds());
     assert_ne!(bits(&whole), bits(&problem.run(6, 0..7).0), "a missing round shows");

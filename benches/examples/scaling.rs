@@ -63,7 +63,7 @@ fn measure<E: Estimator<3>>(estimator: &E, film: &mut Film<3>, blocks: usize) ->
             add += timed(|| film.add(&deposits)).1;
         }
         let ((), close) = timed(|| {
-            film.close_round(estimator.weight(number));
+            film.close_round(number, estimator.weight(number));
             for site in 0..film.sites() as usize {
                 black_box(film.mean(site));
             }

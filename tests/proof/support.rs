@@ -73,7 +73,7 @@ pub struct Replicas {
 }
 
 pub fn settings(method: Method, stratification: Stratification, per_pixel: f64) -> Settings {
-    Settings { method, stratification, seed: 1, per_pixel, ..Settings::default() }
+    Settings::new(method, per_pixel).with(|s| (s.stratification, s.seed) = (stratification, 1))
 }
 
 /// Every round is a replica.

@@ -74,7 +74,7 @@ mod tests {
             let mut deposits = film.deposits();
             deposits.deposit(Splat { site: 3, value: [value; 3] }, 1.0);
             film.add(&[deposits]);
-            film.close_round(1);
+            film.close_round(film.rounds(), 1);
         }
         let warnings = losses(&film, &Counts::default(), 2);
         assert!(warnings.len() == 1 && warnings[0].ends_with("clipped ((1, 1))"), "{warnings:?}");

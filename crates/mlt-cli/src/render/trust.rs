@@ -114,7 +114,7 @@ mod tests {
                 deposits.deposit(Splat { site, value: [value(site % SIDE, site / SIDE, round); 3] }, 1.0);
             }
             film.add(&[deposits]);
-            film.close_round(1);
+            film.close_round(u64::from(round), 1);
         }
         film
     }

@@ -98,7 +98,7 @@ mod tests {
     fn mutations_a_sample_of(world: &World, method: Method, side: u32) -> f64 {
         let camera = world.camera.with_size([side, side]);
         let view = View { camera: &camera, ..world.view() };
-        let renderer = Renderer::new(view, Settings { method, per_pixel: 4.0, ..Settings::default() });
+        let renderer = Renderer::new(view, Settings::new(method, 4.0));
         let (mut film, mut counts) = (renderer.film(), Counts::default());
         renderer.render(0..1, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
         assert_eq!(counts.pilot_rays > 0, !view.scene.needs().specular);

@@ -32,7 +32,7 @@ pub use view::View;
 /// What makes a scene unusable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SceneError {
+pub enum UnusableScene {
     /// There is nothing to see.
     #[error("the scene has no triangle")]
     NoTriangle,
@@ -91,7 +91,7 @@ impl Scene {
     ///
     /// # Errors
     /// If there is no triangle or no light, or a mesh refers to what is not there.
-    pub fn new(mut description: SceneDescription) -> Result<Self, SceneError> {
+    pub fn new(mut description: SceneDescription) -> Result<Self, UnusableScene> {
         check(&description)?;
         let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
         drop_invisible(&mut description);
@@ -102,11 +102,11 @@ impl Scene {
         let (mut primitives, normals) = primitives(&description, &space);
         let triangles: Vec<_> = primitives.iter().map(|p: &Primitive| p.vertices).collect();
         if triangles.is_empty() {
-            return Err(SceneError::NoTriangle);
+            return Err(UnusableScene::NoTriangle);
         }
         let lights = Lights::new(meshes, materials, &triangles);
         if lights.lights.is_empty() {
-            return Err(SceneError::NoLight);
+            return Err(UnusableScene::NoLight);
         }
         let coarse_size = coarse_size(&triangles);
         primitives.iter_mut().for_each(|p| p.set_error(coarse_size));
@@ -278,13 +278,13 @@ impl Scene {
     }
 }
 
-fn check(description: &SceneDescription) -> Result<(), SceneError> {
+fn check(description: &SceneDescription) -> Result<(), UnusableScene> {
     let total: usize = description.meshes.iter().map(|m| m.triangles.len()).sum();
     if total > Scene::MOST_TRIANGLES {
-        return Err(SceneError::TooLarge(total));
+        return Err(UnusableScene::TooLarge(total));
     }
     for mesh in &description.meshes {
-        let bad = |what, index: u32| SceneError::BadIndex { mesh: mesh.name.clone(), what, index: index as usize };
+        let bad = |what, index: u32| UnusableScene::BadIndex { mesh: mesh.name.clone(), what, index: index as usize };
         if mesh.material as usize >= description.materials.len() {
             return Err(bad("material", mesh.material));
         }
