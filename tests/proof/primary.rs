@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
-use mlt_core::transport::render::{Method, Settings};
+use mlt_core::transport::render::Method;
 
 const SIZE: [u32; 2] = [4, 4];
 /// Mutations a pixel and replica, and a relative error that is seen with them.
