@@ -37,6 +37,6 @@ impl Loaded {
 
     /// Settings without strata and without a limit on lengths.
     pub fn settings(&self, method: Method, per_pixel: f64) -> Settings {
-        Settings { method, seed: 1, per_pixel, ..Settings::default() }
+        Settings::new(method, per_pixel).with(|s| s.seed = 1)
     }
 }

@@ -8,7 +8,7 @@ use mlt_core::transport::lights::{LightStrata, Stratification};
 use mlt_core::transport::methods::MOST_EDGES;
 use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
 use mlt_core::transport::paths::{LightPath, Luminance};
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::render::{Counts, Method, Renderer};
 use mlt_core::transport::scene::rays_traced;
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -29,7 +29,7 @@ fn rounds(criterion: &mut Criterion) {
         for (method, label, per_pixel) in
             [(Method::Metropolis, "mlt", 4.0), (Method::Bidirectional, "bdpt", 1.0), (Method::Path, "pt", 1.0)]
         {
-            let settings = Settings { max_edges: Some(EDGES), ..loaded.settings(method, per_pixel) };
+            let settings = loaded.settings(method, per_pixel).with(|s| s.max_edges = Some(EDGES));
             let renderer = Renderer::new(loaded.view(), settings);
             let mut film = renderer.film();
             group.throughput(Throughput::Elements((per_pixel * f64::from(SIZE[0] * SIZE[1])) as u64));

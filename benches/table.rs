@@ -10,7 +10,7 @@ use mlt_benches::rays::{Kind, compare, geometric_mean};
 use mlt_benches::stage::Stage;
 use mlt_benches::tracer::Tracer;
 use mlt_core::transport::accel::Accel;
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::render::{Counts, Method, Renderer};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::fmt::Write as _;
 use std::io;
@@ -79,7 +79,7 @@ const METHODS: [(&str, Method, f64, u64); 4] = [
 fn methods() {
     let loaded = Loaded::builtin("cornell", [256, 256]);
     let renderers = METHODS.map(|(_, method, per_pixel, _)| {
-        Renderer::new(loaded.view(), Settings { max_edges: Some(6), ..loaded.settings(method, per_pixel) })
+        Renderer::new(loaded.view(), loaded.settings(method, per_pixel).with(|s| s.max_edges = Some(6)))
     });
     let render = |k: usize| {
         let renderer = &renderers[k];

@@ -3,7 +3,7 @@
 //! `fixed_render METHOD`, METHOD one of pt, bdpt, mlt, mmlt, pssmlt; `fixed_render none` stops before the render.
 
 use mlt_benches::Loaded;
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::render::{Counts, Method, Renderer};
 use std::ops::ControlFlow;
 
 fn main() {
@@ -17,7 +17,7 @@ fn main() {
         _ => (Method::Path, 0.0),
     };
     let loaded = Loaded::builtin("cornell", [64, 64]);
-    let settings = Settings { max_edges: Some(6), ..loaded.settings(method, per_pixel) };
+    let settings = loaded.settings(method, per_pixel).with(|s| s.max_edges = Some(6));
     let renderer = Renderer::new(loaded.view(), settings);
     let mut film = renderer.film();
     let mut counts = Counts::default();

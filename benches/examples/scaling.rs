@@ -7,6 +7,7 @@
 use mlt_benches::Loaded;
 use mlt_core::engine::{
     Estimator, Film, MUTATIONS_A_SAMPLE, Metropolis, Mixture, batch_size, rounds_in_flight, shares_by_power,
+    with_shares,
 };
 use mlt_core::transport::lights::{LightRegion, LightStrata, Stratification};
 use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
@@ -62,7 +63,7 @@ fn measure<E: Estimator<3>>(estimator: &E, film: &mut Film<3>, blocks: usize) ->
             add += timed(|| film.add(&deposits)).1;
         }
         let ((), close) = timed(|| {
-            film.close_round(estimator.weight(number));
+            film.close_round(number, estimator.weight(number));
             for site in 0..film.sites() as usize {
                 black_box(film.mean(site));
             }
@@ -135,14 +136,8 @@ fn chains(name: &str, stratification: Stratification, per_pixel: f64) {
     let strata = LightStratum::all(&parts, view, MOST_EDGES);
     let shares = shares_by_power(&strata, per_pixel * f64::from(view.camera.pixels()), MUTATIONS_A_SAMPLE);
     let mixture = Mixture::new(PathMutation::all(view));
-    let estimator = Metropolis {
-        strata: &strata,
-        shares: &shares,
-        mixture: &mixture,
-        importance: &Luminance,
-        seed: 1,
-        work: rays_traced,
-    };
+    let strata = with_shares(strata, &shares).expect("a share for each");
+    let estimator = Metropolis::new(&strata, &mixture, &Luminance, 1).expect("sound").counting(rays_traced);
     let mut film = Film::new(view.camera.pixels(), film_unit(view));
     let blocks = shares.iter().map(|share| share.samples.div_ceil(256) as usize).sum();
     let rounds = measure(&estimator, &mut film, blocks);

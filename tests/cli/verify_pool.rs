@@ -87,8 +87,7 @@ fn path_tracing_finds_the_light_in_the_pool() {
     let pose = CameraPose { vertical_fov: FOV as f32, ..description.cameras[0].clone() };
     let scene = Scene::new(description).expect("valid");
     let camera = scene.camera(&pose, [1, ROWS as u32]);
-    let settings =
-        Settings { method: Method::Path, max_edges: Some(4), seed: 5, per_pixel: 65_536.0, ..Settings::default() };
+    let settings = Settings::new(Method::Path, 65_536.0).with(|s| (s.max_edges, s.seed) = (Some(4), 5));
     let renderer = Renderer::new(View { scene: &scene, camera: &camera }, settings);
     let mut film = renderer.film();
     renderer.render(0..16, &mut film, &mut Counts::default(), &mut |_, _| ControlFlow::Continue(()));

@@ -205,7 +205,7 @@ fn a_dark_stratum_takes_nothing_away() {
     let renderer = Renderer::new(view, settings(Method::Metropolis, Grid(2, 2), 1000.0));
     let (mut film, mut counts) = (renderer.film(), Counts::default());
     renderer.render(0..2, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
-    for (j, stratum) in counts.strata.iter().enumerate() {
+    for (j, stratum) in counts.chains.strata.iter().enumerate() {
         assert_eq!(stratum.b() == 0.0, j >= 4, "stratum {j}");
         assert_eq!(stratum.dark_rounds, if j >= 4 { 2 } else { 0 });
     }

@@ -86,7 +86,7 @@ fn means_of_mixtures(world: &World) -> Vec<(f64, f64, f64)> {
         // Few samples for b, so that the error that pixels have in common is not small.
         let shares = vec![Share { mutations: 4000, samples: 4 }];
         let plan = Plan::new(strata, (Sampler::Path { branches: 1 }, 256.0), vec![Kinds::SEEN.others()], shares);
-        let settings = Settings { seed, ..settings(Method::Auto, Whole, 1.0) };
+        let settings = settings(Method::Auto, Whole, 1.0).with(|s| s.seed = seed);
         let renderer = Renderer::with_plan(view, settings, plan);
         let mut film = renderer.film();
         renderer.render(0..16, &mut film, &mut Counts::default(), &mut |_, _: &Film<3>| ControlFlow::Continue(()));
@@ -124,7 +124,7 @@ fn short_renders_have_no_bias_whatever_is_decided() {
     let world = mirrored();
     let camera = world.camera(SIZE);
     let of_seed = |seed: u64| {
-        let settings = Settings { seed, ..auto(Count(2), 4.0) };
+        let settings = auto(Count(2), 4.0).with(|s| s.seed = seed);
         let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());
         let decided = renderer.decision().expect("decided").clone();
         (replicas(&world, SIZE, &settings, 0..1).images.remove(0), decided)

@@ -86,7 +86,7 @@ fn mean(film: &Film<3>) -> f64 {
 
 /// Mean luminance of the image over rounds, and its standard error.
 fn estimate(view: View, method: Method, max_edges: usize, per_pixel: f64, seed: u64) -> (f64, f64) {
-    let settings = Settings { method, max_edges: Some(max_edges), seed, per_pixel, ..Settings::default() };
+    let settings = Settings::new(method, per_pixel).with(|s| (s.max_edges, s.seed) = (Some(max_edges), seed));
     let renderer = Renderer::new(view, settings);
     let round = |r: u64| {
         let mut film = renderer.film();

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
-use mlt_core::transport::render::{Method, Settings};
+use mlt_core::transport::render::Method;
 
 const SIZE: [u32; 2] = [4, 4];
 /// Mutations a pixel and replica, and a relative error that is seen with them.
@@ -11,7 +11,7 @@ const METHODS: [(Method, f64, f64); 2] =
 
 fn agrees(name: &str) {
     let world = World::builtin(name);
-    let limited = |method, cut, per_pixel| Settings { max_edges: Some(8), ..settings(method, cut, per_pixel) };
+    let limited = |method, cut, per_pixel| settings(method, cut, per_pixel).with(|s| s.max_edges = Some(8));
     let reference = replicas(&world, SIZE, &limited(Method::Bidirectional, Whole, 1024.0), 100..116);
     for (method, mutations, error) in METHODS {
         for cut in [Whole, Grid(2, 2)] {
@@ -47,7 +47,7 @@ fn unlimited_paths_agree_with_path_tracing() {
         let ours = replicas(&world, SIZE, &settings(method, Whole, mutations), 0..32);
         assert_same(ours.p_value(&reference), &format!("{method:?}"));
     }
-    let cut = Settings { max_edges: Some(6), ..settings(Method::Multiplexed, Whole, 4000.0) };
+    let cut = settings(Method::Multiplexed, Whole, 4000.0).with(|s| s.max_edges = Some(6));
     assert_different(replicas(&world, SIZE, &cut, 0..32).p_value(&reference), "without the longer paths");
 }
 

@@ -53,7 +53,7 @@ impl Stage {
 
     /// Mean and squared standard error of each block over independent seeds.
     fn replicas(&self, settings: &Settings, rounds: u64, seeds: u64) -> Vec<(f64, f64)> {
-        let of_seed = |seed| self.blocks(&self.render(&Settings { seed, ..settings.clone() }, rounds).0);
+        let of_seed = |seed| self.blocks(&self.render(&settings.clone().with(|s| s.seed = seed), rounds).0);
         let runs: Vec<_> = (0..seeds).map(of_seed).collect();
         let n = seeds as f64;
         let moments = |i: usize| {
@@ -70,62 +70,54 @@ fn worst_z(a: &[(f64, f64)], b: &[(f64, f64)], scale: f64) -> f64 {
     a.iter().zip(b).map(z).fold(0.0, f64::max)
 }
 
-fn agrees(stage: &Stage, settings: &Settings) {
-    let independent = Settings {
-        method: Method::Bidirectional,
-        max_edges: settings.max_edges,
-        per_pixel: 64.0,
-        ..Settings::default()
-    };
+fn agrees(stage: &Stage, change: impl FnOnce(&mut Settings)) {
+    let settings = &Settings::new(Method::Metropolis, 64.0).with(|s| s.max_edges = Some(5)).with(change);
+    let independent = Settings::new(Method::Bidirectional, 64.0).with(|s| s.max_edges = settings.max_edges);
     let expected = stage.replicas(&independent, 1, 24);
-    let seen = stage.replicas(&Settings { per_pixel: 64.0, ..settings.clone() }, 2, 48);
+    let seen = stage.replicas(settings, 2, 48);
     let z = worst_z(&seen, &expected, 1.0);
     assert!(z < 4.5, "{settings:?}: z = {z}");
     let control = worst_z(&seen, &expected, 1.05);
     assert!(control > 4.5, "{settings:?}: five per cent too bright gives only z = {control}");
 }
 
-fn base() -> Settings {
-    Settings { max_edges: Some(5), ..Settings::default() }
-}
-
 #[test]
 fn adaptive_weights_are_unbiased() {
     let stage = Stage::new("ring", [16, 16]);
-    agrees(&stage, &Settings { stratification: Stratification::Count(12), adaptation: ADAPTIVE, ..base() });
+    agrees(&stage, |s| (s.stratification, s.adaptation) = (Stratification::Count(12), ADAPTIVE));
 }
 
 #[test]
 fn automatic_strata_are_unbiased() {
     let stage = Stage::new("ring", [16, 16]);
-    agrees(&stage, &Settings { stratification: Stratification::Auto, adaptation: ADAPTIVE, ..base() });
+    agrees(&stage, |s| (s.stratification, s.adaptation) = (Stratification::Auto, ADAPTIVE));
 }
 
 #[test]
 fn classes_of_lengths_and_tiles_are_unbiased() {
     let stage = Stage::new("ring", [16, 16]);
     let classes = Classes { lengths: true, tiles: [2, 2] };
-    agrees(&stage, &Settings { stratification: Stratification::Count(2), classes, adaptation: ADAPTIVE, ..base() });
+    agrees(&stage, |s| {
+        (s.stratification, s.classes, s.adaptation) = (Stratification::Count(2), classes, ADAPTIVE);
+    });
 }
 
 #[test]
 fn the_variant_that_restricts_the_mutation_alone_is_unbiased() {
     let stage = Stage::new("ring", [16, 16]);
-    let variant = Variant::MutationOnly;
-    agrees(&stage, &Settings { stratification: Stratification::Grid(2, 2), variant, ..base() });
+    agrees(&stage, |s| (s.stratification, s.variant) = (Stratification::Grid(2, 2), Variant::MutationOnly));
 }
 
 #[test]
 fn the_bidirectional_mutation_alone_reaches_everything() {
     let stage = Stage::new("ring", [16, 16]);
-    let perturbations = Perturbations::NONE;
-    agrees(&stage, &Settings { stratification: Stratification::Grid(2, 2), perturbations, ..base() });
+    agrees(&stage, |s| (s.stratification, s.perturbations) = (Stratification::Grid(2, 2), Perturbations::NONE));
 }
 
 #[test]
 fn the_relative_importance_is_unbiased() {
     let stage = Stage::new("ring", [16, 16]);
-    agrees(&stage, &Settings { target: Target::Relative, stratification: Stratification::Count(4), ..base() });
+    agrees(&stage, |s| (s.stratification, s.target) = (Stratification::Count(4), Target::Relative));
 }
 
 fn rel_mse(image: &[f64], reference: &[f64]) -> f64 {
@@ -136,15 +128,13 @@ fn rel_mse(image: &[f64], reference: &[f64]) -> f64 {
 #[test]
 fn adaptive_weights_pay_where_the_brightest_light_is_hidden() {
     let stage = Stage::new("hidden-light", [32, 24]);
-    let settings = |adaptation| Settings {
-        stratification: Stratification::Count(2),
-        adaptation,
-        per_pixel: 16.0,
-        ..Settings::default()
+    let settings = |adaptation| {
+        let cut = Stratification::Count(2);
+        Settings::new(Method::Metropolis, 16.0).with(|s| (s.stratification, s.adaptation) = (cut, adaptation))
     };
-    let reference = stage.render(&Settings { seed: 99, per_pixel: 512.0, ..settings(ADAPTIVE) }, 8).0;
+    let reference = stage.render(&settings(ADAPTIVE).with(|s| (s.seed, s.per_pixel) = (99, 512.0)), 8).0;
     let error = |adaptation| -> f64 {
-        let run = |seed| rel_mse(&stage.render(&Settings { seed, ..settings(adaptation) }, 4).0, &reference);
+        let run = |seed| rel_mse(&stage.render(&settings(adaptation).with(|s| s.seed = seed), 4).0, &reference);
         (0..8).map(run).sum::<f64>() / 8.0
     };
     let (power, adaptive) = (error(BY_POWER), error(ADAPTIVE));
@@ -155,14 +145,10 @@ fn adaptive_weights_pay_where_the_brightest_light_is_hidden() {
 fn a_dark_stratum_costs_almost_nothing() {
     // The door down to the floor: the flood light is behind a wall without a gap.
     let stage = Stage::changed("hidden-light", [32, 24], |y| *y = if (*y - 0.04).abs() < 1e-6 { -0.01 } else { *y });
-    let settings = Settings {
-        stratification: Stratification::Count(2),
-        adaptation: ADAPTIVE,
-        per_pixel: 64.0,
-        ..Settings::default()
-    };
+    let cut = Stratification::Count(2);
+    let settings = Settings::new(Method::Metropolis, 64.0).with(|s| (s.stratification, s.adaptation) = (cut, ADAPTIVE));
     let counts = stage.render(&settings, 4).1;
-    let (dark, lit): (Vec<_>, Vec<_>) = counts.strata.iter().partition(|s| s.b() == 0.0);
+    let (dark, lit): (Vec<_>, Vec<_>) = counts.chains.strata.iter().partition(|s| s.b() == 0.0);
     let work = |s: &mlt_core::engine::StratumStats| s.chain_work + s.sample_work;
     assert_eq!((dark.len(), lit.len(), dark[0].steps(), dark[0].dark_rounds), (1, 1, 0, 4));
     assert!(dark[0].samples > 0, "it is still looked at");
@@ -172,14 +158,10 @@ fn a_dark_stratum_costs_almost_nothing() {
 #[test]
 fn pilots_give_the_same_bits_on_any_number_of_threads() {
     let stage = Stage::new("ring", [24, 16]);
-    let settings = Settings {
-        stratification: Stratification::Auto,
-        classes: Classes { lengths: true, tiles: [2, 1] },
-        adaptation: ADAPTIVE,
-        target: Target::Relative,
-        per_pixel: 64.0,
-        ..Settings::default()
-    };
+    let settings = Settings::new(Method::Metropolis, 64.0).with(|s| {
+        s.classes = Classes { lengths: true, tiles: [2, 1] };
+        (s.stratification, s.adaptation, s.target) = (Stratification::Auto, ADAPTIVE, Target::Relative);
+    });
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| stage.render(&settings, 2))

@@ -73,7 +73,7 @@ pub struct Replicas {
 }
 
 pub fn settings(method: Method, stratification: Stratification, per_pixel: f64) -> Settings {
-    Settings { method, stratification, seed: 1, per_pixel, ..Settings::default() }
+    Settings::new(method, per_pixel).with(|s| (s.stratification, s.seed) = (stratification, 1))
 }
 
 /// Every round is a replica.
@@ -119,20 +119,12 @@ pub fn metropolis_in(
     let view = View { scene: &world.scene, camera: &camera };
     let strata = LightStrata::new(world.scene.lights(), cut);
     let strata = LightStratum::all(&strata, view, MOST_EDGES);
-    let mutations = (per_pixel * f64::from(camera.pixels()) / strata.len() as f64) as u64;
-    let share = |j| match included(j) {
-        true => Share { mutations, samples: mutations / 4 },
-        false => Share { mutations: 0, samples: 0 },
-    };
-    let shares: Vec<_> = (0..strata.len()).map(share).collect();
-    let estimator = Metropolis {
-        strata: &strata,
-        shares: &shares,
-        mixture: &Mixture::new(PathMutation::all(view)),
-        importance: &Luminance,
-        seed: 2,
-        work: rays_traced,
-    };
+    let mutations = (per_pixel * f64::from(camera.pixels()) / strata.len() as f64).max(4.0) as u64;
+    let share = Share { mutations, samples: mutations / 4 };
+    let strata: Vec<_> =
+        strata.into_iter().enumerate().filter(|(j, _)| included(*j)).map(|(_, s)| (s, share)).collect();
+    let mixture = Mixture::new(PathMutation::all(view));
+    let estimator = Metropolis::new(&strata, &mixture, &Luminance, 2).unwrap().counting(rays_traced);
     replicas_of(&estimator, camera.pixels(), film_unit(view), rounds)
 }
 

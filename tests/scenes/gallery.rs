@@ -1,7 +1,7 @@
 //! The gallery's files are what its code writes, and load without a word of complaint.
 
 use glam::{DVec3, Vec3};
-use mlt_core::transport::scene::{Scene as World, SceneError};
+use mlt_core::transport::scene::{Scene as World, UnusableScene};
 use mlt_scene::{
     Loaded,
     gallery::{Outcome, SCENES, Scene, find},
@@ -43,7 +43,9 @@ fn every_scene_loads_as_it_should() {
         assert_eq!(description.cameras.len(), 1, "{}", scene.name);
         match World::new(description) {
             Ok(_) => assert_ne!(scene.outcome, Outcome::Refused, "{}", scene.name),
-            Err(error) => assert_eq!((scene.outcome, error), (Outcome::Refused, SceneError::NoLight), "{}", scene.name),
+            Err(error) => {
+                assert_eq!((scene.outcome, error), (Outcome::Refused, UnusableScene::NoLight), "{}", scene.name)
+            }
         }
     }
 }

@@ -4,7 +4,9 @@
 //!
 //!     cargo run --release -p mlt-core --no-default-features --example toy_1d
 
-use mlt_core::engine::{Film, Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, Tally, render, uniform};
+use mlt_core::engine::{
+    Film, Metropolis, Mixture, Mutation, Path, SetupError, Share, Splat, Stratum, Tally, render, uniform,
+};
 use mlt_core::rand_core::Rng;
 use std::ops::ControlFlow;
 
@@ -100,20 +102,13 @@ impl Mutation<Point, Cell> for Move {
     }
 }
 
-fn main() {
+fn main() -> Result<(), SetupError> {
     let edge = |j: u32| f64::from(j) / f64::from(STRATA);
-    let strata: Vec<_> = (0..STRATA).map(|j| Cell { low: edge(j), high: edge(j + 1) }).collect();
-    let shares = vec![Share { mutations: 400, samples: 200 }; strata.len()];
+    let share = Share { mutations: 400, samples: 200 };
+    let strata: Vec<_> = (0..STRATA).map(|j| (Cell { low: edge(j), high: edge(j + 1) }, share)).collect();
     let mixture = Mixture::new(vec![Move::Near, Move::Anywhere]);
     let importance = |x: &Point| f(x.0);
-    let metropolis = Metropolis {
-        strata: &strata,
-        shares: &shares,
-        mixture: &mixture,
-        importance: &importance,
-        seed: 1,
-        work: || 0,
-    };
+    let metropolis = Metropolis::new(&strata, &mixture, &importance, 1)?;
     let (mut film, mut tally) = (Film::new(BINS + 1, 1.0), Tally::default());
     render(&metropolis, 0..ROUNDS, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
 
@@ -128,11 +123,13 @@ fn main() {
     }
     print("total", BINS, integral(1.0));
     println!();
-    for (j, stratum) in tally.strata.iter().enumerate() {
-        let truth = integral(strata[j].high) - integral(strata[j].low);
+    for (j, (stratum, (cell, _))) in tally.strata.iter().zip(&strata).enumerate() {
+        let truth = integral(cell.high) - integral(cell.low);
         println!("stratum {j}: b = {:.5} ± {:.5}, truth {truth:.5}", stratum.b(), stratum.b_stderr());
     }
     for (mutation, stats) in mixture.mutations().iter().zip(tally.total().mutations) {
         println!("{:>9}: {:4.1} % accepted", mutation.name(), 100.0 * stats.acceptance());
     }
+    tally.warnings().iter().for_each(|warning| println!("warning: {warning}"));
+    Ok(())
 }

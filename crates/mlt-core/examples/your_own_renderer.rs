@@ -9,7 +9,8 @@
 //! Source: [KelemenSzirmayKalos02] (Metropolis over the numbers that a path is made from).
 
 use mlt_core::engine::{
-    Film, Metropolis, Mixture, Mutation, Path, Pixel, Purpose, Share, Splat, Stratum, Tally, generator, render, uniform,
+    Film, Metropolis, Mixture, Mutation, Path, Pixel, Purpose, SetupError, Share, Splat, Stratum, Tally, generator,
+    render, uniform,
 };
 use mlt_core::rand_core::Rng;
 use std::f64::consts::PI;
@@ -21,8 +22,8 @@ const PIXELS: u32 = WIDTH * HEIGHT;
 /// The lamp is cut into GRID × GRID squares.
 const GRID: u32 = 2;
 
-fn main() -> std::io::Result<()> {
-    let (film, acceptance) = metropolis();
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (film, acceptance) = metropolis()?;
     let [mean] = film.pixel(PIXELS as usize);
     let plain = plain_monte_carlo(400_000);
     let z = (mean.mean - plain.mean) / mean.stderr.hypot(plain.stderr);
@@ -37,21 +38,17 @@ fn main() -> std::io::Result<()> {
 }
 
 /// The image, with its mean at one more site, and the share of accepted mutations.
-fn metropolis() -> (Film<1>, f64) {
-    let strata: Vec<_> = (0..GRID * GRID).map(|i| LampCell { column: i % GRID, row: i / GRID }).collect();
-    let metropolis = Metropolis {
-        strata: &strata,
-        shares: &vec![Share { mutations: 20_000, samples: 5_000 }; strata.len()],
-        mixture: &Mixture::new(vec![Step::Small, Step::Large]),
-        importance: &|path: &Numbers| path.radiance,
-        seed: 1,
-        work: || 0,
-    };
+fn metropolis() -> Result<(Film<1>, f64), SetupError> {
+    let share = Share { mutations: 20_000, samples: 5_000 };
+    let strata: Vec<_> = (0..GRID * GRID).map(|i| (LampCell { column: i % GRID, row: i / GRID }, share)).collect();
+    let (mixture, importance) = (Mixture::new(vec![Step::Small, Step::Large]), |path: &Numbers| path.radiance);
+    let metropolis = Metropolis::new(&strata, &mixture, &importance, 1)?;
     let (mut film, mut tally) = (Film::new(PIXELS + 1, 1.0), Tally::default());
     render(&metropolis, 0..24, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
     let total = tally.total();
     let accepted: u64 = total.mutations.iter().map(|m| m.accepted).sum();
-    (film, accepted as f64 / total.steps() as f64)
+    tally.warnings().iter().for_each(|warning| println!("warning: {warning}"));
+    Ok((film, accepted as f64 / total.steps() as f64))
 }
 
 /// The mean of the image from independent numbers.

@@ -17,6 +17,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`check`] | Tests of one's own sampler, strata and mutations. |
 //! | [`engine`] | Metropolis sampling of any state space, as traits. It knows no vector, no scene, no light. |
 //! | [`measure`] | Measures of the error of an image against a reference. |
 //! | [`memory`] | A budget of memory that all who allocate much of it share. |
@@ -77,21 +78,31 @@
 //!     }
 //! }
 //!
-//! let metropolis = Metropolis {
-//!     strata: &[Half { low: 0.0 }, Half { low: 0.5 }],
-//!     shares: &[Share { mutations: 100, samples: 50 }; 2],
-//!     mixture: &Mixture::new(vec![Nudge]),
-//!     importance: &|x: &X| x.0, // any positive function will do; the better it follows f, the less noise
-//!     seed: 7,
-//!     work: || 0,
-//! };
+//! let share = Share { mutations: 100, samples: 50 };
+//! let strata = [(Half { low: 0.0 }, share), (Half { low: 0.5 }, share)];
+//! let mixture = Mixture::new(vec![Nudge]);
+//! let importance = |x: &X| x.0; // any positive function will do; the better it follows f, the less noise
+//! let metropolis = Metropolis::new(&strata, &mixture, &importance, 7)?;
 //! let (mut film, mut tally) = (Film::new(1, 1.0), Tally::default());
 //! render(&metropolis, 0..400, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
 //! let [pixel] = film.pixel(0);
 //! assert!((pixel.mean - 1.0 / 3.0).abs() < 4.0 * pixel.stderr);
 //! assert!(pixel.stderr < 0.002);
+//! assert!(tally.warnings().is_empty()); // no gap, no overlap, no sampler that gives another sample the second time
+//! # Ok::<(), mlt_core::engine::SetupError>(())
+//! ```
+//!
+//! # Speed
+//!
+//! A program that renders is fastest with this in its own Cargo.toml, since profiles of dependencies are not inherited: the hot loops
+//! are in this crate, and what is cut apart is not inlined as well.
+//!
+//! ```toml
+//! [profile.release.package.mlt-core]
+//! codegen-units = 1
 //! ```
 
+pub mod check;
 pub mod engine;
 mod instructions;
 pub mod measure;
@@ -100,5 +111,8 @@ pub mod primary;
 #[cfg(feature = "transport")]
 pub mod transport;
 
+/// Vectors, in the version that the renderer's signatures name.
+#[cfg(feature = "transport")]
+pub use glam;
 /// The trait of random generators that the engine's signatures name.
 pub use rand_pcg::rand_core;

@@ -1,6 +1,7 @@
 //! A budget of memory that all who allocate much of it share.
 
 use std::{
+    error::Error,
     fmt,
     sync::atomic::{AtomicU64, Ordering::Relaxed},
 };
@@ -15,13 +16,20 @@ pub struct Memory {
 }
 
 /// More was asked for than is left; the message goes on from what asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("needs {} of memory and {} are available", Size(*needed), Size(*left))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shortage {
     /// Bytes asked for.
     pub needed: u64,
     /// Bytes that are left.
     pub left: u64,
+}
+
+impl Error for Shortage {}
+
+impl fmt::Display for Shortage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "needs {} of memory and {} are available", Size(self.needed), Size(self.left))
+    }
 }
 
 impl Memory {

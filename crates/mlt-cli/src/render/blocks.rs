@@ -155,7 +155,7 @@ mod tests {
                 deposits.deposit(Splat { site, value: [count / f64::from(states); 3] }, 1.0);
             }
             film.add(&[deposits]);
-            film.close_round(1);
+            film.close_round(film.rounds(), 1);
             blocks.add(&film);
         }
         blocks

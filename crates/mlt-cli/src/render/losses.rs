@@ -1,31 +1,16 @@
-//! What a render left out, with figures and places.
+//! What a render left out or warns of, with figures and places.
 
-use mlt_core::engine::{Film, StratumStats};
+use mlt_core::engine::{Film, WarningKind};
 use mlt_core::transport::render::Counts;
 
 /// Places that a warning names.
 const NAMED: usize = 4;
 
-/// One warning for each kind of loss. `width`: pixels in a row.
+/// One warning for each kind of loss, those of chains first. `width`: pixels in a row.
 pub fn losses(film: &Film<3>, counts: &Counts, width: usize) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let dropped = |s: &StratumStats| s.non_finite_samples + s.mutations.iter().map(|m| m.non_finite).sum::<u64>();
-    let paths: u64 = counts.strata.iter().map(dropped).sum();
-    if paths > 0 {
-        let makers = makers(counts).join(", ");
-        let strata = (0..counts.strata.len()).filter(|&j| dropped(&counts.strata[j]) > 0);
-        let strata = named(strata.map(|j| j.to_string()));
-        warnings.push(format!(
-            "{paths} paths had an importance that is not finite; they are left out (made by {makers}; strata {strata})"
-        ));
-    }
-    let refused: u64 = counts.strata.iter().map(|s| s.refused_starts).sum();
-    if refused > 0 {
-        let strata = (0..counts.strata.len()).filter(|&j| counts.strata[j].refused_starts > 0);
-        let strata = named(strata.map(|j| j.to_string()));
-        warnings
-            .push(format!("{refused} chains could not start; what they would have added is missing (strata {strata})"));
-    }
+    // A black image has a warning of its own, whatever made it.
+    let of_chains = counts.chains.warnings().into_iter().filter(|warning| warning.kind != WarningKind::Black);
+    let mut warnings: Vec<_> = of_chains.map(|warning| warning.to_string()).collect();
     let pixels_of = |sites: &[usize]| named(sites.iter().map(|site| format!("({}, {})", site % width, site / width)));
     let lost = film.lost();
     if lost.count > 0 {
@@ -42,14 +27,6 @@ pub fn losses(film: &Film<3>, counts: &Counts, width: usize) -> Vec<String> {
         ));
     }
     warnings
-}
-
-/// What made paths that are not finite.
-fn makers(counts: &Counts) -> Vec<&'static str> {
-    let made = |k: usize| counts.strata.iter().any(|s| s.mutations.get(k).is_some_and(|m| m.non_finite > 0));
-    let mutations = counts.mutations.iter().enumerate().filter(|(k, _)| made(*k)).map(|(_, name)| *name);
-    let samples = counts.strata.iter().any(|s| s.non_finite_samples > 0).then_some("independent samples");
-    mutations.chain(samples).collect()
 }
 
 /// Pixels whose sums of squares left the film's range; with one round nothing is known.
@@ -71,7 +48,7 @@ fn named(mut places: impl Iterator<Item = String>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use mlt_core::engine::{MutationStats, Sink, Splat};
+    use mlt_core::engine::{MutationStats, Sink, Splat, StratumStats, Tally};
 
     use super::*;
 
@@ -81,13 +58,13 @@ mod tests {
         let stratum = |n| StratumStats { mutations: vec![lens(0), lens(n)], ..StratumStats::default() };
         let refused = StratumStats { refused_starts: 2, ..stratum(1) };
         let strata = [0, 3, 1, 1, 1, 1].map(stratum).into_iter().chain([refused]).collect();
-        let counts = Counts { strata, mutations: vec!["bidirectional", "lens"], ..Counts::default() };
+        let chains = Tally { strata, mutations: vec!["bidirectional".into(), "lens".into()] };
+        let counts = Counts { chains, ..Counts::default() };
         let warnings = losses(&Film::new(4, 1.0), &counts, 2);
         assert_eq!(warnings.len(), 2, "{warnings:?}");
-        assert!(
-            warnings[0].starts_with("8 paths") && warnings[0].contains("made by lens; strata 1, 2, 3, 4 and 2 more")
-        );
-        assert!(warnings[1].starts_with("2 chains") && warnings[1].ends_with("(strata 6)"), "{warnings:?}");
+        assert!(warnings[0].starts_with("8 paths, made by lens"), "{warnings:?}");
+        assert!(warnings[0].ends_with("(strata 1, 2, 3, 4 and 2 more)"), "{warnings:?}");
+        assert!(warnings[1].starts_with("2 chains") && warnings[1].ends_with("(stratum 6)"), "{warnings:?}");
     }
 
     #[test]
@@ -97,7 +74,7 @@ mod tests {
             let mut deposits = film.deposits();
             deposits.deposit(Splat { site: 3, value: [value; 3] }, 1.0);
             film.add(&[deposits]);
-            film.close_round(1);
+            film.close_round(film.rounds(), 1);
         }
         let warnings = losses(&film, &Counts::default(), 2);
         assert!(warnings.len() == 1 && warnings[0].ends_with("clipped ((1, 1))"), "{warnings:?}");

@@ -3,7 +3,7 @@
 use anyhow::{Context, anyhow};
 use glam::DVec3;
 use mlt_core::memory::Memory;
-use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, SceneError, SurfaceName};
+use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, SurfaceName, UnusableScene};
 use mlt_scene::{Loaded, printable};
 
 use crate::{Failure, args::render::RenderOptions, memory, take_memory, warn_all};
@@ -73,9 +73,9 @@ fn seen(
 }
 
 /// The error for a scene that cannot be rendered, with a word on the lights that the file does have.
-fn unusable(error: SceneError, lights_left_out: usize) -> anyhow::Error {
+fn unusable(error: UnusableScene, lights_left_out: usize) -> anyhow::Error {
     match (&error, lights_left_out) {
-        (SceneError::NoLight, 1..) => {
+        (UnusableScene::NoLight, 1..) => {
             anyhow!("{error}; point, spot and directional lights are not supported, and the file has {lights_left_out}")
         }
         _ => error.into(),

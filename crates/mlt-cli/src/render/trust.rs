@@ -47,7 +47,7 @@ impl Trust {
         Self {
             worst_pixels: enough.then(|| worst_pixels(film, size)).flatten(),
             largest_round: enough.then(|| blocks.largest_round()).flatten(),
-            starts: starts(&counts.strata),
+            starts: starts(&counts.chains.strata),
             unmet_light: unmet_light(counts, b.mean),
             b_error: Some(b.stderr / b.mean).filter(|error| error.is_finite()),
         }
@@ -106,7 +106,7 @@ fn worst_pixels(film: &Film<3>, size: [u32; 2]) -> Option<f64> {
 /// Σ_j b_j u_j over all light, u_j being the share of a stratum that samples were to meet fewer than ten times. Without samples of the
 /// image all light is that of the chains; with them it is `b`, and chains sample luminance.
 fn unmet_light(counts: &Counts, b: f64) -> Option<f64> {
-    let sum = |value: fn(&StratumStats) -> f64| counts.strata.iter().map(value).sum::<f64>();
+    let sum = |value: fn(&StratumStats) -> f64| counts.chains.strata.iter().map(value).sum::<f64>();
     let chains = sum(StratumStats::b);
     let all = if counts.samples == 0 { chains } else { chains.max(b) };
     (all > 0.0 && counts.steps() > 0).then(|| sum(|s| s.b() * s.rarity.unmet(s.weight_sum)) / all)
@@ -122,7 +122,7 @@ fn starts(strata: &[StratumStats]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use mlt_core::engine::{Sink, Splat};
+    use mlt_core::engine::{Sink, Splat, Tally};
 
     use super::*;
 
@@ -147,7 +147,7 @@ mod tests {
                 deposits.deposit(Splat { site, value: [value(site % SIDE, site / SIDE, round); 3] }, 1.0);
             }
             film.add(&[deposits]);
-            film.close_round(1);
+            film.close_round(u64::from(round), 1);
         }
         film
     }
@@ -177,8 +177,11 @@ mod tests {
         // Half of a stratum's energy is worth 1/8 to a sample, half 256: the 40 samples of weight 2 meet that 0.16 times.
         let mut chains = stratum(40, 2.0);
         (0..8).for_each(|i| chains.rarity.add([0.125, 256.0][i % 2], 1.0, 1.0));
-        let mut counts = Counts { strata: vec![chains, stratum(40, 2.0)], ..Counts::default() };
-        counts.strata[0].idle = 1;
+        let mut counts = Counts {
+            chains: Tally { strata: vec![chains, stratum(40, 2.0)], ..Tally::default() },
+            ..Counts::default()
+        };
+        counts.chains.strata[0].idle = 1;
         assert_eq!(unmet_light(&counts, 8.0), Some(0.25));
         counts.samples = 1;
         assert_eq!(unmet_light(&counts, 8.0), Some(0.05));

@@ -1,6 +1,6 @@
 //! Independent samples of a stratum: its b_j, and where its chains start.
 
-use super::{Generator, Importance, Purpose, Stratum, StratumStats, generator, uniform};
+use super::{Coverage, Generator, Importance, Purpose, Stratum, StratumStats, generator, uniform};
 
 /// Importance weights of the independent samples of one stratum in one round.
 ///
@@ -12,12 +12,14 @@ pub(super) struct Bootstrap {
     total: f64,
     /// How many weights were not finite; they are 0 in `weights`.
     non_finite: u64,
+    /// Where some of the states lie.
+    coverage: Coverage,
     /// What they took.
     work: u64,
 }
 
 impl Bootstrap {
-    pub(super) fn new(mut weights: Vec<f64>, work: u64) -> Self {
+    pub(super) fn new(mut weights: Vec<f64>, coverage: Coverage, work: u64) -> Self {
         let mut non_finite = 0;
         for weight in &mut weights {
             if !(weight.is_finite() && *weight >= 0.0) {
@@ -25,12 +27,17 @@ impl Bootstrap {
                 non_finite += 1;
             }
         }
-        Self { total: weights.iter().sum(), weights, non_finite, work }
+        Self { total: weights.iter().sum(), weights, non_finite, coverage, work }
     }
 
     /// b̂_j = mean weight.
     pub(super) fn b(&self) -> f64 {
         if self.weights.is_empty() { 0.0 } else { self.total / self.weights.len() as f64 }
+    }
+
+    /// Weight of a sample.
+    pub(super) fn weight(&self, sample: u64) -> f64 {
+        self.weights[sample as usize]
     }
 
     /// Adds a round's samples to the counts of their stratum.
@@ -40,7 +47,9 @@ impl Bootstrap {
         stats.weight_squares += self.weights.iter().map(|w| w * w).sum::<f64>();
         stats.non_finite_samples += self.non_finite;
         stats.sample_work += self.work;
+        stats.rounds += 1;
         stats.dark_rounds += u64::from(self.b() == 0.0);
+        stats.coverage.merge(&self.coverage);
     }
 
     /// Draws `count` samples in proportion to their weights, by systematic resampling: sample i is drawn
@@ -79,31 +88,38 @@ impl SampleKey {
         generator(self.seed, purpose, self.round, self.stratum, self.sample)
     }
 
-    /// Σ_states w I / p of this sample.
-    pub(super) fn weight<P>(self, stratum: &impl Stratum<P>, importance: &impl Importance<P>) -> f64 {
+    /// Σ_states w I / p of this sample; `visit` sees each state and its part of the sum.
+    #[inline]
+    pub(super) fn weight<P>(
+        self,
+        stratum: &impl Stratum<P>,
+        importance: &impl Importance<P>,
+        visit: &mut impl FnMut(&P, f64),
+    ) -> f64 {
         let mut sum = 0.0;
         stratum.sample(&mut self.generator(Purpose::Sample), &mut |path, weight| {
-            sum += weight * importance.eval(path);
+            let weight = weight * importance.eval(path);
+            sum += weight;
+            visit(path, weight);
         });
         sum
     }
 
-    /// One state of this sample, drawn with `rng` in proportion to w I / p.
+    /// One state of this sample, drawn with `rng` in proportion to w I / p, and the sample's weight.
     pub(super) fn pick<P: Clone>(
         self,
         stratum: &impl Stratum<P>,
         importance: &impl Importance<P>,
         rng: &mut Generator,
-    ) -> Option<P> {
+    ) -> (Option<P>, f64) {
         let (mut sum, mut picked) = (0.0, None);
-        stratum.sample(&mut self.generator(Purpose::Sample), &mut |path: &P, weight| {
-            let weight = weight * importance.eval(path);
+        let weight = self.weight(stratum, importance, &mut |path: &P, weight| {
             sum += weight;
             if weight > 0.0 && uniform(rng) * sum < weight {
                 picked = Some(path.clone());
             }
         });
-        picked
+        (picked, weight)
     }
 }
 
@@ -113,7 +129,7 @@ mod tests {
 
     #[test]
     fn starts_are_drawn_in_proportion_to_weight() {
-        let bootstrap = Bootstrap::new(vec![0.0, 1.0, f64::NAN, 2.5, 0.5, f64::INFINITY], 0);
+        let bootstrap = Bootstrap::new(vec![0.0, 1.0, f64::NAN, 2.5, 0.5, f64::INFINITY], Coverage::default(), 0);
         assert_eq!(bootstrap.non_finite, 2);
         let mut counts = [0f64; 6];
         for round in 0..2000 {
@@ -130,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_dark_batch_starts_nothing() {
-        let bootstrap = Bootstrap::new(vec![0.0; 5], 0);
+        let bootstrap = Bootstrap::new(vec![0.0; 5], Coverage::default(), 0);
         assert!(bootstrap.choose(4, &mut generator(0, Purpose::Start, 0, 0, 0)).is_empty());
         assert_eq!(bootstrap.b(), 0.0);
     }

@@ -17,6 +17,7 @@ pub struct Chain<'a, P, S, M, I> {
     half: Half,
     pending: f64,
     rejections: Rejections,
+    strays: Strays<P>,
     stats: StratumStats,
 }
 
@@ -52,6 +53,7 @@ where
             half: Half::default(),
             pending: 0.0,
             rejections: Rejections { of_any: 0, of_each: vec![0; mixture.mutations().len()] },
+            strays: Strays { count: 0, kept: Vec::new() },
             stats: StratumStats::new(mixture.mutations().len()),
         })
     }
@@ -59,6 +61,11 @@ where
     /// The state that the chain stands at.
     pub fn current(&self) -> &P {
         &self.current.path
+    }
+
+    /// Some of the proposals that lay outside the stratum: the first, second, fourth, eighth and so on.
+    pub fn strays(&self) -> &[P] {
+        &self.strays.kept
     }
 
     /// One Metropolis–Hastings step; deposits both states by expected value, times `scale`.
@@ -133,7 +140,7 @@ where
 
     /// Writes a proposal; where there is none that could be accepted, which is counted here, the mutation that failed.
     fn propose(&mut self, rng: &mut impl Rng) -> Result<Candidate, Option<usize>> {
-        let Self { mixture, importance, stratum, current, proposal, stats, .. } = self;
+        let Self { mixture, importance, stratum, current, proposal, strays, stats, .. } = self;
         let Some(mutation) = current.suitabilities.choose(rng) else {
             stats.idle += 1;
             return Err(None);
@@ -144,8 +151,12 @@ where
             stats.failed += 1;
             return Err(Some(mutation));
         };
-        let inside = stratum.contains(&proposal.path);
-        proposal.importance = if inside { importance.eval(&proposal.path) } else { 0.0 };
+        proposal.importance = if stratum.contains(&proposal.path) {
+            importance.eval(&proposal.path)
+        } else {
+            strays.add(&proposal.path);
+            0.0
+        };
         let flow = proposal.importance * ratio;
         let acceptance = if flow == 0.0 {
             0.0
@@ -179,6 +190,22 @@ struct Rejections {
     of_any: u64,
     /// Of each mutation's proposals.
     of_each: Vec<u64>,
+}
+
+/// Proposals outside the stratum.
+struct Strays<P> {
+    count: u64,
+    kept: Vec<P>,
+}
+
+impl<P: Clone> Strays<P> {
+    #[inline]
+    fn add(&mut self, path: &P) {
+        self.count += 1;
+        if self.count.is_power_of_two() {
+            self.kept.push(path.clone());
+        }
+    }
 }
 
 /// A proposal that the chain may accept.

@@ -56,7 +56,7 @@ pub enum Outcome {
     Stopped,
 }
 
-/// Adds rounds to `film` and their counts to `tally`, on the current rayon pool.
+/// Adds rounds to `film` and their counts to `tally`, on the current rayon pool. Those that the film holds already are left out.
 ///
 /// Where a round has few tasks, several rounds are in flight: prepared together, with one list of tasks. `observe` is called
 /// after every batch of tasks and after every round. When it breaks, unfinished rounds are dropped.
@@ -67,24 +67,11 @@ pub fn render<const C: usize, E: Estimator<C>>(
     tally: &mut E::Tally,
     observe: &mut Observer<'_, C, E::Tally>,
 ) -> Outcome {
+    let missing = film.rounds_held().missing(rounds);
     let mut merger = Merger { estimator, film, tally, observe, tallies: Vec::new(), rounds: 0 };
-    let prepare = |rounds: Range<u64>| rounds.into_par_iter().map(|round| (round, estimator.prepare(round)));
-    let (mut next, mut in_flight, mut buffers) = (rounds.start, 1, Vec::new());
-    while next < rounds.end {
-        let end = |in_flight| rounds.end.min(next.saturating_add(in_flight));
-        let mut prepared: Vec<_> = prepare(next..end(in_flight)).collect();
-        if next == rounds.start {
-            in_flight = rounds_in_flight(rayon::current_num_threads(), estimator.tasks(&prepared[0].1));
-            prepared.par_extend(prepare(end(1)..end(in_flight)));
-        }
-        let tasks: Vec<_> =
-            prepared.iter().flat_map(|p| (0..estimator.tasks(&p.1)).map(move |task| (p, task))).collect();
-        if merger.run(&prepared, &tasks, &mut buffers).is_break() {
-            merger.film.drop_round();
-            return Outcome::Stopped;
-        }
-        in_flight = rounds_in_flight(rayon::current_num_threads(), tasks.len() / prepared.len());
-        next = end(prepared.len() as u64);
+    if missing.into_iter().try_for_each(|rounds| merger.make(rounds)).is_break() {
+        merger.film.drop_round();
+        return Outcome::Stopped;
     }
     Outcome::Complete
 }
@@ -105,6 +92,27 @@ struct Merger<'a, 'o, const C: usize, E: Estimator<C>> {
 }
 
 impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
+    /// Makes consecutive rounds.
+    fn make(&mut self, rounds: Range<u64>) -> ControlFlow<()> {
+        let estimator = self.estimator;
+        let prepare = |rounds: Range<u64>| rounds.into_par_iter().map(|round| (round, estimator.prepare(round)));
+        let (mut next, mut in_flight, mut buffers) = (rounds.start, 1, Vec::new());
+        while next < rounds.end {
+            let end = |in_flight| rounds.end.min(next.saturating_add(in_flight));
+            let mut prepared: Vec<_> = prepare(next..end(in_flight)).collect();
+            if next == rounds.start {
+                in_flight = rounds_in_flight(rayon::current_num_threads(), estimator.tasks(&prepared[0].1));
+                prepared.par_extend(prepare(end(1)..end(in_flight)));
+            }
+            let tasks: Vec<_> =
+                prepared.iter().flat_map(|p| (0..estimator.tasks(&p.1)).map(move |task| (p, task))).collect();
+            self.run(&prepared, &tasks, &mut buffers)?;
+            in_flight = rounds_in_flight(rayon::current_num_threads(), tasks.len() / prepared.len());
+            next = end(prepared.len() as u64);
+        }
+        ControlFlow::Continue(())
+    }
+
     /// Runs the tasks of some rounds in batches.
     fn run(
         &mut self,
@@ -144,7 +152,7 @@ impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
         while let [(round, prepared), rest @ ..] = open
             && self.tallies.len() == self.estimator.tasks(prepared)
         {
-            self.film.close_round(self.estimator.weight(*round));
+            self.film.close_round(*round, self.estimator.weight(*round));
             self.estimator.tally(self.tally, prepared, std::mem::take(&mut self.tallies));
             self.rounds += 1;
             (self.observe)(Progress { rounds: self.rounds, fraction: 0.0 }, self.film, self.tally)?;

@@ -1,7 +1,9 @@
 //! The film: exact sums over rounds, whatever their order.
 
-use super::{Deposits, Lost};
+use super::{Deposits, Lost, Rounds};
 use rayon::prelude::*;
+use std::error::Error;
+use std::fmt;
 
 /// Most sites of a band, log₂: 2^13 sites of three f64 channels are 192 KiB.
 const MOST_SITES: u32 = 13;
@@ -21,7 +23,7 @@ pub struct Film<const C: usize> {
     whole: Whole<C>,
     unit: f64,
     weight: u64,
-    rounds: u64,
+    rounds: Rounds,
     lost: Lost,
     /// log₂ of the number of sites in a band, which one thread merges.
     shift: u32,
@@ -93,7 +95,7 @@ impl<const C: usize> Film<C> {
         let (round, sums) = (vec![[0.0; C]; n], vec![[Sums::default(); C]; n]);
         let shift = (sites.checked_ilog2().unwrap_or(0)).saturating_sub(BANDS).clamp(LEAST_SITES, MOST_SITES);
         let whole = Whole { first: [0; C], second: [[0; C]; C] };
-        Self { round, sums, whole, unit, weight: 0, rounds: 0, lost: Lost::default(), shift }
+        Self { round, sums, whole, unit, weight: 0, rounds: Rounds::default(), lost: Lost::default(), shift }
     }
 
     /// Number of sites.
@@ -101,9 +103,14 @@ impl<const C: usize> Film<C> {
         self.sums.len() as u32
     }
 
-    /// Rounds in the sums.
+    /// Number of rounds in the sums.
     pub fn rounds(&self) -> u64 {
-        self.rounds
+        self.rounds.count()
+    }
+
+    /// Which rounds these are.
+    pub fn rounds_held(&self) -> &Rounds {
+        &self.rounds
     }
 
     /// Σ w over them.
@@ -134,10 +141,11 @@ impl<const C: usize> Film<C> {
         });
     }
 
-    /// Ends the current round, which is an estimate X of the film, and adds it to the sums with weight `weight`.
+    /// Ends the current round, which has this number and is an estimate X of the film, and adds it to the sums with weight
+    /// `weight`.
     ///
     /// Var(X) ∝ 1/weight is assumed: a round's weight is its number of samples.
-    pub fn close_round(&mut self, weight: u64) {
+    pub fn close_round(&mut self, number: u64, weight: u64) {
         let scale = 1.0 / self.unit;
         let sites = 1 << self.shift;
         let bands = self.round.par_chunks_mut(sites).zip(self.sums.par_chunks_mut(sites));
@@ -156,7 +164,7 @@ impl<const C: usize> Film<C> {
         let mean = std::array::from_fn(|c| totals.iter().map(|t| t[c]).sum::<f64>() / f64::from(self.sites()));
         self.whole.add(mean, i128::from(weight));
         self.weight += weight;
-        self.rounds += 1;
+        self.rounds.insert(number..number + 1);
     }
 
     /// Drops the current round.
@@ -169,11 +177,21 @@ impl<const C: usize> Film<C> {
         self.round = Vec::new();
     }
 
-    /// Adds the sums of another film of the same size and unit; `false` and no change if they differ.
-    #[must_use]
-    pub fn merge(&mut self, other: &Self) -> bool {
-        if self.unit != other.unit || self.sums.len() != other.sums.len() {
-            return false;
+    /// Adds the sums of another film.
+    ///
+    /// # Errors
+    ///
+    /// Changes nothing if the films differ in size or unit, or have a round in common.
+    pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
+        if self.sites() != other.sites() {
+            return Err(MergeError::Sites([self.sites(), other.sites()]));
+        }
+        if self.unit != other.unit {
+            return Err(MergeError::Unit);
+        }
+        let common = self.rounds.common(&other.rounds);
+        if common.count() > 0 {
+            return Err(MergeError::Rounds(common));
         }
         for (a, b) in self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()) {
             a.first = a.first.saturating_add(b.first);
@@ -181,15 +199,15 @@ impl<const C: usize> Film<C> {
         }
         self.whole.merge(&other.whole);
         self.weight += other.weight;
-        self.rounds += other.rounds;
+        other.rounds.ranges().iter().for_each(|range| self.rounds.insert(range.clone()));
         self.lost.merge(&other.lost);
-        true
+        Ok(())
     }
 
     /// Means of a site's channels, of the rounds closed so far; 0 without any.
     #[inline]
     pub fn mean(&self, site: usize) -> [f64; C] {
-        let scale = if self.rounds == 0 { 0.0 } else { self.unit / (QUANTA * self.weight as f64) };
+        let scale = if self.weight == 0 { 0.0 } else { self.unit / (QUANTA * self.weight as f64) };
         self.sums[site].map(|s| s.first as f64 * scale)
     }
 
@@ -216,14 +234,39 @@ impl<const C: usize> Film<C> {
     ///
     /// mean = Σ w X / W,  stderr² = (Σ w X² − W mean²) / ((R − 1) W),  W = Σ w,  and what rounding may hide of X².
     fn moments(&self, first: f64, second: f64) -> Moments {
-        if self.rounds == 0 {
+        let rounds = self.rounds.count() as f64;
+        if rounds == 0.0 {
             return Moments { mean: 0.0, variance: f64::INFINITY };
         }
         let w = self.weight as f64;
         let mean = first / w;
         let rounding = if first == 0.0 { 0.0 } else { 0.5 / QUANTA };
         let scatter = (second / w - mean * mean).max(0.0) + rounding;
-        Moments { mean, variance: if self.rounds < 2 { f64::INFINITY } else { scatter / (self.rounds as f64 - 1.0) } }
+        Moments { mean, variance: if rounds < 2.0 { f64::INFINITY } else { scatter / (rounds - 1.0) } }
+    }
+}
+
+/// Why two films cannot be added.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MergeError {
+    /// They differ in the number of sites.
+    Sites([u32; 2]),
+    /// They differ in the unit of their sums.
+    Unit,
+    /// Both hold these rounds, which would count twice.
+    Rounds(Rounds),
+}
+
+impl Error for MergeError {}
+
+impl fmt::Display for MergeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sites([a, b]) => write!(f, "one film has {a} sites and the other {b}; they are not of one image"),
+            Self::Unit => write!(f, "the films have different units; they are not of one scene and view"),
+            Self::Rounds(rounds) => write!(f, "both films hold the rounds {rounds}, which would count twice"),
+        }
     }
 }
 
@@ -255,12 +298,16 @@ mod tests {
     use crate::engine::{Sink, Splat};
 
     fn rounds(film: &mut Film<1>, values: &[(f64, u64)]) {
-        for &(value, weight) in values {
+        from_round(film, 0, values);
+    }
+
+    fn from_round(film: &mut Film<1>, first: u64, values: &[(f64, u64)]) {
+        for (number, &(value, weight)) in (first..).zip(values) {
             let mut deposits = film.deposits();
             deposits.deposit(Splat { site: 1, value: [value] }, 0.5);
             deposits.deposit(Splat { site: 1, value: [value] }, 0.5);
             film.add(&[deposits]);
-            film.close_round(weight);
+            film.close_round(number, weight);
         }
     }
 
@@ -280,12 +327,25 @@ mod tests {
         let mut whole = Film::new(2, 0.3);
         rounds(&mut whole, &values);
         let (mut a, mut b) = (Film::new(2, 0.3), Film::new(2, 0.3));
-        rounds(&mut b, &values[7..]);
+        from_round(&mut b, 7, &values[7..]);
         rounds(&mut a, &values[..7]);
-        assert!(b.merge(&a));
+        assert_eq!(b.merge(&a), Ok(()));
+        assert_eq!(b.rounds_held(), whole.rounds_held());
         assert_eq!(whole.pixel(1), b.pixel(1));
         assert_eq!(whole.whole([1.0]), b.whole([1.0]));
-        assert!(!b.merge(&Film::new(3, 0.3)));
+        assert_eq!(b.merge(&Film::new(3, 0.3)), Err(MergeError::Sites([2, 3])));
+        assert_eq!(b.merge(&Film::new(2, 8.0)), Err(MergeError::Unit));
+    }
+
+    #[test]
+    fn a_round_does_not_count_twice() {
+        let (mut a, mut b) = (Film::new(2, 1.0), Film::new(2, 1.0));
+        rounds(&mut a, &[(1.0, 1), (2.0, 1), (4.0, 1)]);
+        from_round(&mut b, 2, &[(4.0, 1), (5.0, 1)]);
+        let before = a.pixel(1);
+        let error = a.merge(&b).expect_err("a round in common");
+        assert!(error.to_string().contains("both films hold the rounds 2,"), "{error}");
+        assert_eq!((a.pixel(1), a.rounds()), (before, 3));
     }
 
     /// Two sites that are bright together, or one at a time.
@@ -293,12 +353,12 @@ mod tests {
     fn the_error_of_the_whole_has_what_sites_have_in_common() {
         let film = |values: [[f64; 2]; 4]| {
             let mut film = Film::<2>::new(2, 1.0);
-            for [a, b] in values {
+            for (round, [a, b]) in (0..).zip(values) {
                 let mut deposits = film.deposits();
                 deposits.deposit(Splat { site: 0, value: [a, 2.0 * a] }, 1.0);
                 deposits.deposit(Splat { site: 1, value: [b, 0.0] }, 1.0);
                 film.add(&[deposits]);
-                film.close_round(1);
+                film.close_round(round, 1);
             }
             film
         };

@@ -2,8 +2,8 @@
 
 use super::bootstrap::{Bootstrap, SampleKey};
 use super::{
-    Chain, Deposits, Estimator, Generator, Importance, Mixture, Mutation, Path, Purpose, Splat, Stratum, StratumStats,
-    generator,
+    Chain, Coverage, Deposits, Estimator, Generator, Importance, Mixture, Mutation, Path, Purpose, SetupError, Share,
+    Splat, Stratum, StratumStats, Tally, generator,
 };
 use rayon::prelude::*;
 
@@ -14,15 +14,6 @@ const CHAIN_LENGTH: u64 = 1 << 9;
 /// Independent samples made by one parallel step.
 const BOOTSTRAP_BLOCK: u64 = 256;
 
-/// A stratum's share of every round.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Share {
-    /// n_j, mutations of its chains; 0: the stratum is left out, which is right only if it is dark.
-    pub mutations: u64,
-    /// m_j, independent samples for b̂_j and the chains' starts.
-    pub samples: u64,
-}
-
 /// The paper's Algorithm 2: for each stratum, Metropolis with importance I_j, deposited in proportion to b̂_j.
 ///
 /// In each round and stratum, b̂_j is the mean importance weight of m_j independent samples, the first state of a chain is
@@ -31,38 +22,42 @@ pub struct Share {
 ///
 /// Source: [Jankauski15], section 3; [VeachGuibas97], section 5.1 (start-up bias).
 pub struct Metropolis<'a, P, S, M, I> {
-    /// Ω_1 … Ω_K.
-    pub strata: &'a [S],
-    /// One share a stratum.
-    pub shares: &'a [Share],
-    /// Proposals.
-    pub mixture: &'a Mixture<P, S, M>,
-    /// I.
-    pub importance: &'a I,
-    /// Key of all random streams.
-    pub seed: u64,
-    /// What the calling thread has spent so far, in a unit of the user's choice: rays, say.
-    pub work: fn() -> u64,
+    pub(super) strata: &'a [(S, Share)],
+    mixture: &'a Mixture<P, S, M>,
+    importance: &'a I,
+    seed: u64,
+    work: fn() -> u64,
+    partial: bool,
 }
 
-/// Counts of a render, one entry a stratum.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
-    /// In the order of the strata.
-    pub strata: Vec<StratumStats>,
-}
-
-impl Tally {
-    /// Counts over all strata.
-    pub fn total(&self) -> StratumStats {
-        let mut total = StratumStats::default();
-        self.strata.iter().for_each(|s| total.merge(s));
-        total
+impl<'a, P, S, M, I> Metropolis<'a, P, S, M, I> {
+    /// Chains in the strata Ω_1 … Ω_K, each with its share of every round, with proposals of `mixture`; `importance` is I and `seed`
+    /// the key of all random streams.
+    ///
+    /// # Errors
+    ///
+    /// Without any stratum, and where one has no mutation or no independent sample in a round.
+    pub fn new(
+        strata: &'a [(S, Share)],
+        mixture: &'a Mixture<P, S, M>,
+        importance: &'a I,
+        seed: u64,
+    ) -> Result<Self, SetupError> {
+        SetupError::check(strata.iter().map(|(_, share)| *share))?;
+        Ok(Self { strata, mixture, importance, seed, work: || 0, partial: false })
     }
 
-    /// Work of all strata, in the unit of [`Metropolis::work`].
-    pub fn work(&self) -> u64 {
-        self.strata.iter().map(|s| s.chain_work + s.sample_work).sum()
+    /// Counts work: `work` tells what the calling thread has spent so far, in a unit of the user's choice, such as rays.
+    #[must_use]
+    pub fn counting(self, work: fn() -> u64) -> Self {
+        Self { work, ..self }
+    }
+
+    /// Chains for a part of the space only: states outside all strata are estimated by other means, as in a [`Sum`](super::Sum),
+    /// and are nothing to warn of.
+    #[must_use]
+    pub fn partial(self) -> Self {
+        Self { partial: true, ..self }
     }
 }
 
@@ -79,6 +74,13 @@ impl Prepared {
         let stratum = self.chains[task].stratum;
         (stratum, self.bootstraps[stratum].b())
     }
+}
+
+/// What a block of independent samples is worth.
+struct Weighed {
+    weights: Vec<f64>,
+    coverage: Coverage,
+    work: u64,
 }
 
 /// One chain: its stratum, number, first sample and length.
@@ -102,28 +104,67 @@ where
 
     /// The independent samples of all strata in a round, in blocks so that one large stratum keeps all threads busy.
     pub(super) fn bootstraps(&self, round: u64) -> Vec<Bootstrap> {
-        let blocks: Vec<_> = (self.shares.iter().enumerate())
-            .flat_map(|(j, share)| (0..share.samples).step_by(BOOTSTRAP_BLOCK as usize).map(move |first| (j, first)))
-            .collect();
-        let weigh = |&(j, first): &(usize, u64)| -> (Vec<f64>, u64) {
-            let before = (self.work)();
-            let last = self.shares[j].samples.min(first + BOOTSTRAP_BLOCK);
-            let key = |i| self.key(round, j, i);
-            let weights = (first..last).map(|i| key(i).weight(&self.strata[j], self.importance)).collect();
-            (weights, (self.work)() - before)
+        let first_samples = |(j, (_, share)): (usize, &(S, Share))| {
+            (0..share.samples).step_by(BOOTSTRAP_BLOCK as usize).map(move |first| (j, first))
         };
+        let blocks: Vec<_> = self.strata.iter().enumerate().flat_map(first_samples).collect();
+        let weigh = |&(j, first): &(usize, u64)| self.weigh(round, j, first);
         let mut weighed = blocks.par_iter().map(weigh).collect::<Vec<_>>().into_iter();
-        let gather = |share: &Share| {
+        let gather = |(_, share): &(S, Share)| {
             let blocks = share.samples.div_ceil(BOOTSTRAP_BLOCK) as usize;
-            let (weights, work): (Vec<_>, Vec<_>) = weighed.by_ref().take(blocks).unzip();
-            Bootstrap::new(weights.concat(), work.iter().sum())
+            let (mut weights, mut coverage, mut work) = (Vec::new(), Coverage::default(), 0);
+            for block in weighed.by_ref().take(blocks) {
+                weights.extend(block.weights);
+                coverage.merge(&block.coverage);
+                work += block.work;
+            }
+            Bootstrap::new(weights, coverage, work)
         };
-        self.shares.iter().map(gather).collect()
+        self.strata.iter().map(gather).collect()
+    }
+
+    /// A block of independent samples; finds out where the states of its first one lie.
+    fn weigh(&self, round: u64, j: usize, first: u64) -> Weighed {
+        let before = (self.work)();
+        let (stratum, share) = &self.strata[j];
+        let last = share.samples.min(first + BOOTSTRAP_BLOCK);
+        let mut coverage = Coverage::default();
+        let is_due = self.is_looked_at(round, j, first / BOOTSTRAP_BLOCK);
+        let mut weight = |i| {
+            self.key(round, j, i).weight(stratum, self.importance, &mut |path, weight| {
+                if i == first && is_due && weight > 0.0 {
+                    let own = stratum.contains(path);
+                    coverage.add_sample(own, self.strata_of(path) - usize::from(own));
+                }
+            })
+        };
+        let weights = (first..last).map(&mut weight).collect();
+        Weighed { weights, coverage, work: (self.work)() - before }
+    }
+
+    /// Whether it is a chain's turn, or a block of samples', to have its states looked at.
+    fn is_looked_at(&self, round: u64, stratum: usize, index: u64) -> bool {
+        S::OF_ONE_SPACE && Coverage::is_due(round, stratum, index, self.strata.len())
+    }
+
+    /// Number of strata that a state lies in.
+    fn strata_of(&self, path: &P) -> usize {
+        self.strata.iter().filter(|(stratum, _)| stratum.contains(path)).count()
+    }
+
+    /// Where the proposals lie that left the stratum of a chain.
+    fn strays(&self, strays: &[P]) -> Coverage {
+        let mut coverage = Coverage::default();
+        for path in strays {
+            let strata = self.strata_of(path);
+            coverage.add_stray(strata, strata == 0 && !self.partial && self.importance.eval(path) > 0.0);
+        }
+        coverage
     }
 
     /// Chains of equal length with starts drawn from the stratum's bootstrap.
     fn chains(&self, round: u64, stratum: usize, bootstrap: &Bootstrap) -> Vec<ChainTask> {
-        let mutations = self.shares[stratum].mutations;
+        let mutations = self.strata[stratum].1.mutations;
         let count = mutations.div_ceil(CHAIN_LENGTH);
         let mut rng = generator(self.seed, Purpose::Start, round, stratum as u64, u64::MAX);
         let starts = bootstrap.choose(count, &mut rng);
@@ -159,21 +200,20 @@ where
 
     fn task_deposits(&self) -> usize {
         // Two deposits a mutation at most; a chain is no longer than the longest share.
-        2 * self.shares.iter().map(|s| s.mutations).max().unwrap_or(0).min(CHAIN_LENGTH) as usize
+        2 * self.strata.iter().map(|(_, share)| share.mutations).max().unwrap_or(0).min(CHAIN_LENGTH) as usize
     }
 
     fn run(&self, prepared: &Prepared, task: usize, deposits: &mut Deposits<C>) -> Tally {
         let before = (self.work)();
         let ChainTask { stratum, index, start, mutations } = prepared.chains[task];
         let stream = |purpose| generator(self.seed, purpose, prepared.round, stratum as u64, index);
-        let start = self.key(prepared.round, stratum, start).pick(
-            &self.strata[stratum],
-            self.importance,
-            &mut stream(Purpose::Start),
-        );
-        let chain = start.and_then(|x| Chain::new(self.mixture, self.importance, &self.strata[stratum], x));
-        let b = prepared.bootstraps[stratum].b();
-        let scale = b / self.shares[stratum].mutations as f64;
+        let (within, share) = &self.strata[stratum];
+        let bootstrap = &prepared.bootstraps[stratum];
+        let key = self.key(prepared.round, stratum, start);
+        let (first, weight) = key.pick(within, self.importance, &mut stream(Purpose::Start));
+        let chain = first.and_then(|x| Chain::new(self.mixture, self.importance, within, x));
+        let b = bootstrap.b();
+        let scale = b / share.mutations as f64;
         let mut rng: Generator = stream(Purpose::Chain);
         let mut stats = StratumStats::default();
         match chain {
@@ -183,12 +223,15 @@ where
                     chain.end_half(b);
                 }
                 chain.flush(deposits, scale);
-                stats = chain.into_stats();
+                let is_due = self.is_looked_at(prepared.round, stratum, index);
+                let coverage = if is_due { self.strays(chain.strays()) } else { Coverage::default() };
+                stats = StratumStats { coverage, ..chain.into_stats() };
             }
             None => stats.refused_starts = 1,
         }
+        stats.changed_starts = u64::from(weight != bootstrap.weight(start));
         stats.chain_work = (self.work)() - before;
-        Tally { strata: vec![stats] }
+        Tally { strata: vec![stats], ..Tally::default() }
     }
 
     fn weight(&self, _round: u64) -> u64 {
@@ -197,6 +240,7 @@ where
 
     fn tally(&self, total: &mut Tally, prepared: &Prepared, tasks: Vec<Tally>) {
         total.strata.resize_with(self.strata.len(), || StratumStats::new(self.mixture.mutations().len()));
+        total.mutations = self.mixture.mutations().iter().map(|mutation| mutation.name().into()).collect();
         for (chain, tally) in prepared.chains.iter().zip(tasks) {
             total.strata[chain.stratum].merge(&tally.strata[0]);
         }

@@ -69,6 +69,7 @@ impl Measure {
 }
 
 /// What pilot rounds found.
+#[derive(Default)]
 pub struct Piloted {
     /// Of each stratum.
     pub measures: Vec<Measure>,
@@ -155,10 +156,10 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
         let mut image = vec![0.0; sites as usize];
         images.iter().flatten().for_each(|&(site, value)| image[site as usize] += value);
         let weights = weigh(&image);
-        let strata = self.shares.iter().zip(&tally.strata);
+        let strata = self.strata.iter().zip(&tally.strata);
         let measures = strata
             .zip(visits.iter().zip(&moments))
-            .map(|((share, stats), (visits, moments))| {
+            .map(|(((_, share), stats), (visits, moments))| {
                 measure(share.mutations, stats, (visits, moments), lit_rounds(stats), &weights)
             })
             .collect();
@@ -239,7 +240,7 @@ pub fn events(values: impl Iterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Film, MUTATIONS_A_SAMPLE, Mixture, allocate, render, shares_by_power, uniform};
+    use crate::engine::{Film, MUTATIONS_A_SAMPLE, Mixture, allocate, render, shares_by_power, uniform, with_shares};
     use rand_pcg::rand_core::Rng;
     use std::ops::ControlFlow;
 
@@ -308,26 +309,27 @@ mod tests {
     }
 
     fn with_estimator<T>(
-        strata: &[Quarter],
+        strata: Vec<Quarter>,
         shares: &[Share],
         run: impl FnOnce(&Metropolis<Point, Quarter, Step, fn(&Point) -> f64>) -> T,
     ) -> T {
         let (mixture, importance) = (Mixture::new(vec![Step]), importance as fn(&Point) -> f64);
-        run(&Metropolis { strata, shares, mixture: &mixture, importance: &importance, seed: 5, work: || 0 })
+        let strata = with_shares(strata, shares).expect("a share for each");
+        run(&Metropolis::new(&strata, &mixture, &importance, 5).expect("sound"))
     }
 
     fn measured(rounds: u64) -> (Vec<Measure>, Vec<Share>) {
         let strata = strata([1.0; 4]);
         let shares = shares_by_power(&strata, MUTATIONS, MUTATIONS_A_SAMPLE);
         let weigh = |image: &[f64]| vec![1.0; image.len()];
-        let Piloted { measures, .. } = with_estimator(&strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
+        let Piloted { measures, .. } = with_estimator(strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
         let fitted = allocate(&measures, &shares, MUTATIONS, MUTATIONS_A_SAMPLE);
         (measures, fitted)
     }
 
     #[test]
     fn the_spread_is_the_strata_s_variance_over_their_b_squared() {
-        let shares = [Share { mutations: 0, samples: 20_000 }; 4];
+        let shares = [Share { mutations: 1, samples: 20_000 }; 4];
         let moments = |j: u32| {
             let weights =
                 (0..1000).map(|i| importance(&Point((f64::from(j) + (f64::from(i) + 0.5) / 1000.0) / 4.0)) / 4.0);
@@ -335,17 +337,17 @@ mod tests {
             [sum / 1000.0, squares / 1000.0 - sum * sum / 1e6]
         };
         let of = |part: usize| (0..4).map(|j| moments(j)[part].powi(2 - part as i32)).sum::<f64>();
-        let (spread, _) = with_estimator(&strata([1.0; 4]), &shares, |e| e.spread());
+        let (spread, _) = with_estimator(strata([1.0; 4]), &shares, |e| e.spread());
         let (found, exact) = (spread.expect("light"), of(1) / of(0));
         assert!((found / exact - 1.0).abs() < 0.04, "{found}, exactly {exact}");
-        let dark = &strata([1.0; 4])[1..2];
+        let dark = strata([1.0; 4]).drain(1..2).collect();
         assert_eq!(with_estimator(dark, &shares[1..2], |e| e.spread()).0, None);
     }
 
     /// Means and standard errors of the sites after many rounds with the given shares.
     fn image(exaggerated: [f64; 4], shares: &[Share]) -> Vec<(f64, f64)> {
         let mut film = Film::<1>::new(16, 0.1);
-        with_estimator(&strata(exaggerated), shares, |e| {
+        with_estimator(strata(exaggerated), shares, |e| {
             render(e, 0..200, &mut film, &mut Tally::default(), &mut |_, _, _| ControlFlow::Continue(()))
         });
         (0..16).map(|i| film.pixel(i)[0]).map(|p| (p.mean, p.stderr)).collect()

@@ -132,14 +132,9 @@ mod tests {
 
     /// Share that 20 rounds, of `samples` samples each, were to meet fewer than ten times.
     fn unmet(samples: u64, factor: f64) -> f64 {
-        let metropolis = Metropolis {
-            strata: &[All { factor }],
-            shares: &[Share { mutations: 1 << 14, samples }],
-            mixture: &Mixture::new(vec![Jump]),
-            importance: &importance,
-            seed: 3,
-            work: || 0,
-        };
+        let strata = [(All { factor }, Share { mutations: 1 << 14, samples })];
+        let mixture = Mixture::new(vec![Jump]);
+        let metropolis = Metropolis::new(&strata, &mixture, &importance, 3).expect("a render");
         let (mut film, mut tally) = (Film::<1>::new(1, 1.0), Tally::default());
         render(&metropolis, 0..20, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
         let StratumStats { rarity, weight_sum, .. } = &tally.strata[0];

@@ -1,6 +1,6 @@
 //! What chains count.
 
-use super::{HalfChains, Rarity};
+use super::{Coverage, HalfChains, Rarity};
 
 /// Outcomes of one mutation's proposals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,15 +55,21 @@ pub struct StratumStats {
     pub weight_squares: f64,
     /// Independent samples with a NaN or infinite weight, taken as 0.
     pub non_finite_samples: u64,
-    /// Rounds in which no sample had a positive weight: they ran no chain here.
+    /// Rounds.
+    pub rounds: u64,
+    /// Those in which no sample had a positive weight: they ran no chain here.
     pub dark_rounds: u64,
     /// Chains that could not start because their first state, made again, had no importance: their share is missing.
     pub refused_starts: u64,
+    /// Chains whose first state's sample, made again, had another weight: it is not a function of its random numbers.
+    pub changed_starts: u64,
+    /// Where states lie that samples and chains met.
+    pub coverage: Coverage,
     /// Whether the chains agree.
     pub halves: HalfChains,
     /// How often samples meet what the chains visit.
     pub rarity: Rarity,
-    /// Work of the chains, in the unit of [`Metropolis::work`](super::Metropolis::work).
+    /// Work of the chains, in the unit of [`Metropolis::work`](super::Metropolis::counting).
     pub chain_work: u64,
     /// Work of the independent samples, in the same unit.
     pub sample_work: u64,
@@ -109,8 +115,11 @@ impl StratumStats {
         self.weight_sum += other.weight_sum;
         self.weight_squares += other.weight_squares;
         self.non_finite_samples += other.non_finite_samples;
+        self.rounds += other.rounds;
         self.dark_rounds += other.dark_rounds;
         self.refused_starts += other.refused_starts;
+        self.changed_starts += other.changed_starts;
+        self.coverage.merge(&other.coverage);
         self.halves.merge(&other.halves);
         self.rarity.merge(&other.rarity);
         self.chain_work += other.chain_work;

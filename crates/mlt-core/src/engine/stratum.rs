@@ -4,6 +4,10 @@ use rand_pcg::rand_core::Rng;
 
 /// Ω_j: the strata given to one render are disjoint and cover every state of positive importance.
 pub trait Stratum<P> {
+    /// Whether all strata of this type are parts of one space, so that any of them can be asked about a state of any other;
+    /// `false` where each is a space of its own. What a render finds of gaps and overlaps, it finds by asking.
+    const OF_ONE_SPACE: bool = true;
+
     /// Whether x ∈ Ω_j.
     fn contains(&self, path: &P) -> bool;
 
@@ -14,8 +18,11 @@ pub trait Stratum<P> {
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&P, f64));
 
     /// Expected number of times that one sample shows x, relative to the measure of the weights' densities: Σ_s p_s(x) over the ways
-    /// s in which it can. What ends samples early may be left out. It tells how rare states are, and is in no estimate.
-    fn density(&self, path: &P) -> f64;
+    /// s in which it can. What ends samples early may be left out. It tells how rare states are, and is in no estimate; infinite, as
+    /// here, says that none is.
+    fn density(&self, _path: &P) -> f64 {
+        f64::INFINITY
+    }
 
     /// First estimate of b_j, up to a factor common to all strata.
     fn power(&self) -> f64;

@@ -1,7 +1,6 @@
 //! Large and small steps.
 
-use super::stream::Perturbation;
-use super::{PrimaryPath, PrimaryStratum, Tracer};
+use super::{PrimaryPath, PrimaryStratum, StepSize, Tracer};
 use crate::engine::Mutation;
 use rand_pcg::rand_core::Rng;
 
@@ -20,13 +19,13 @@ pub struct LargeStep {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmallStep {
     weight: f64,
-    perturbation: Perturbation,
+    size: StepSize,
 }
 
 impl SmallStep {
     /// Steps between s₁ = `smallest` and s₂ = `largest`, both in (0, 1/2]; `weight` is relative, in a mixture.
     pub fn new(weight: f64, smallest: f64, largest: f64) -> Self {
-        Self { weight, perturbation: Perturbation::new(smallest, largest) }
+        Self { weight, size: StepSize::new(smallest, largest) }
     }
 }
 
@@ -76,8 +75,8 @@ where
     ) -> Option<f64> {
         let near = match self {
             Self::Large(_) => None,
-            Self::Small(step) => Some((current, &step.perturbation)),
+            Self::Small(step) => Some((current, [&step.size; STREAMS])),
         };
-        proposal.trace(near, &within.tracer, rng).then_some(1.0)
+        proposal.propose(near, &within.tracer, rng).then_some(1.0)
     }
 }

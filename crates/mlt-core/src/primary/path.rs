@@ -1,7 +1,6 @@
 //! States in primary sample space.
 
-use super::stream::Perturbation;
-use super::{Output, Stream, Streams, Tracer};
+use super::{Output, StepSize, Stream, Streams, Tracer};
 use crate::engine::{Importance, Path};
 use rand_pcg::rand_core::Rng;
 use std::array;
@@ -42,16 +41,17 @@ impl<O: Output, const STREAMS: usize> PrimaryPath<O, STREAMS> {
         &self.output
     }
 
-    /// Traces fresh numbers, or numbers near those of a state, and records them; false where F = 0.
+    /// Traces fresh numbers, or numbers near those of a state by steps of a size for each stream, and records them; false where
+    /// F = 0. Both are symmetric: T(x→y) = T(y→x).
     #[inline]
-    pub(super) fn trace(
+    pub fn propose(
         &mut self,
-        near: Option<(&Self, &Perturbation)>,
+        near: Option<(&Self, [&StepSize; STREAMS])>,
         tracer: &impl Tracer<STREAMS, Output = O>,
         rng: &mut impl Rng,
     ) -> bool {
         for (i, stream) in self.streams.iter_mut().enumerate() {
-            stream.begin(near.map(|(path, perturbation)| (&path.streams[i], perturbation)), rng.next_u64());
+            stream.begin(near.map(|(path, sizes)| (&path.streams[i], sizes[i])), rng.next_u64());
         }
         let lit = tracer.trace(&mut self.streams, &mut self.output);
         self.streams.iter_mut().for_each(Stream::end);

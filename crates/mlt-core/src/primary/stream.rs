@@ -12,7 +12,7 @@ type Block = [u32; BLOCK];
 
 /// Offsets d = ±s₂ (s₁/s₂)^ξ, ξ uniform in [0, 1): log-uniform between s₁ and s₂, and uniform within an octave.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Perturbation {
+pub struct StepSize {
     /// log₂(s₂·2³²), times 2²⁷: 31 at most.
     largest: u32,
     /// log₂(s₂/s₁), times 2¹¹.
@@ -22,8 +22,9 @@ pub(super) struct Perturbation {
 /// Binary places of an offset's logarithm, and of ξ.
 const PLACES: [u32; 2] = [27, 16];
 
-impl Perturbation {
-    pub(super) fn new(smallest: f64, largest: f64) -> Self {
+impl StepSize {
+    /// Offsets between s₁ = `smallest` and s₂ = `largest`, both in (0, 1/2].
+    pub fn new(smallest: f64, largest: f64) -> Self {
         let largest = largest.clamp(2f64.powi(-24), 0.5);
         let smallest = smallest.clamp(2f64.powi(-30), largest);
         let fixed = |x: f64, places: u32| (libm::log2(x) * f64::from(1u32 << places)) as u32;
@@ -80,11 +81,11 @@ impl Clone for Stream {
 impl Stream {
     /// Starts anew, with numbers near those of a state's stream ahead.
     #[inline(always)]
-    pub(super) fn begin(&mut self, near: Option<(&Self, &Perturbation)>, key: u64) {
+    pub(super) fn begin(&mut self, near: Option<(&Self, &StepSize)>, key: u64) {
         self.blocks.clear();
         (self.drawn, self.key) = (0, key);
-        if let Some((Self { blocks: from, .. }, perturbation)) = near {
-            self.instructions.perform(Moved { from, to: &mut self.blocks, perturbation, key });
+        if let Some((Self { blocks: from, .. }, size)) = near {
+            self.instructions.perform(Moved { from, to: &mut self.blocks, size, key });
         }
     }
 
@@ -99,9 +100,13 @@ impl Stream {
         &self.blocks.as_flattened()[..self.drawn]
     }
 
+    /// How many of them.
+    pub(crate) fn drawn(&self) -> usize {
+        self.drawn
+    }
+
     /// The same numbers once more.
-    #[cfg(test)]
-    pub(super) fn again(&self) -> Self {
+    pub(crate) fn again(&self) -> Self {
         Self { drawn: 0, ..self.clone() }
     }
 
@@ -143,7 +148,7 @@ impl Work for Fresh<'_> {
 struct Moved<'a> {
     from: &'a [Block],
     to: &'a mut Vec<Block>,
-    perturbation: &'a Perturbation,
+    size: &'a StepSize,
     key: u64,
 }
 
@@ -152,13 +157,13 @@ impl Work for Moved<'_> {
 
     #[inline(always)]
     fn perform(self) {
-        let Self { from, to, perturbation, key } = self;
+        let Self { from, to, size, key } = self;
         // A plain loop: what an iterator's adapter does is not compiled for the instructions.
         to.reserve(from.len());
         for (number, block) in from.iter().enumerate() {
             let mut moved = random(key, number);
             for lane in 0..BLOCK {
-                moved[lane] = perturbation.apply(block[lane], moved[lane]);
+                moved[lane] = size.apply(block[lane], moved[lane]);
             }
             to.push(moved);
         }

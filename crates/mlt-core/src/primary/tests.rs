@@ -1,11 +1,9 @@
-use super::stream::Perturbation;
 use super::*;
-use crate::engine::{
-    Chain, Film, Generator, Importance, Metropolis, Mixture, Mutation, Purpose, Share, Splat, Stratum, Tally,
-    generator, render, uniform,
-};
+use crate::check::{self, Law, Report, Trials};
+use crate::engine::{Film, Metropolis, Mixture, Mutation, Purpose, Share, Splat, Tally, generator, render, uniform};
 use rand_pcg::rand_core::Rng;
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 const SITES: usize = 4;
 
@@ -97,15 +95,9 @@ fn skewed(factor: f64) -> Mixture<State, PrimaryStratum<Toy>, Skewed> {
 /// Largest |z| of a site's mean over 3,000 rounds of 40 mutations a stratum.
 fn largest_z(cuts: &[f64], factor: f64) -> f64 {
     let (strata, mixture) = (strata(cuts), skewed(factor));
-    let shares = vec![Share { mutations: 40, samples: 8 }; strata.len()];
-    let metropolis = Metropolis {
-        strata: &strata,
-        shares: &shares,
-        mixture: &mixture,
-        importance: &PrimaryImportance,
-        seed: 5,
-        work: || 0,
-    };
+    let share = Share { mutations: 40, samples: 8 };
+    let strata: Vec<_> = strata.into_iter().map(|stratum| (stratum, share)).collect();
+    let metropolis = Metropolis::new(&strata, &mixture, &PrimaryImportance, 5).expect("sound");
     let (mut film, mut tally) = (Film::<1>::new(SITES as u32, 1.0), Tally::default());
     render(&metropolis, 0..3000, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
     let z = |site| {
@@ -125,78 +117,58 @@ fn short_rounds_are_unbiased_in_any_strata() {
     assert!(z > 6.0, "the control goes unnoticed: z = {z}");
 }
 
-/// A state from the target's own density, by rejection.
-fn exact_start(stratum: &PrimaryStratum<Toy>, rng: &mut Generator) -> State {
-    loop {
-        let mut start = None;
-        stratum.sample(rng, &mut |path, _| start = Some(path.clone()));
-        let Some(path) = start else { continue };
-        if uniform(rng) < PrimaryImportance.eval(&path) {
-            return path;
-        }
-    }
-}
-
-/// χ² with 15 degrees of freedom of (site, n) after `steps` steps from a start of the target's density.
-fn chi_squared(steps: usize, factor: f64) -> f64 {
-    let (strata, mixture) = (strata(&[0.0, 1.0]), skewed(factor));
-    let mut counts = [[0.0; 4]; SITES];
-    let chains = 20_000;
-    for index in 0..chains {
-        let mut rng = generator(9, Purpose::Chain, 0, 0, index);
-        let start = exact_start(&strata[0], &mut rng);
-        let mut chain = Chain::new(&mixture, &PrimaryImportance, &strata[0], start).expect("positive");
-        (0..steps).for_each(|_| chain.step(&mut Nothing, 1.0, &mut rng));
-        let path = chain.current();
+/// Of (site, n) after some steps, and of each mutation's ratio.
+fn checked(factor: f64) -> Report {
+    let bin = |path: &State| {
         let n = (path.streams()[1].numbers().len() - 1) / 2;
-        counts[(path.output().u * 4.0) as usize][n.min(3)] += 1.0;
-    }
-    let of_u = |i: usize| {
-        let f = |u: f64| 0.5 * u.powi(3) - 0.25 * u.powi(4);
-        (f((i + 1) as f64 / 4.0) - f(i as f64 / 4.0)) / 0.25
+        4 * (path.output().u * 4.0) as usize + n.min(3)
     };
-    let q = 0.5 * GO_ON;
-    let of_n = |n: usize| if n < 3 { (1.0 - q) * q.powi(n as i32) } else { q.powi(3) };
-    let cell = |i: usize, n: usize| {
-        let expected = f64::from(chains as u32) * of_u(i) * of_n(n);
-        (counts[i][n] - expected).powi(2) / expected
-    };
-    (0..SITES).flat_map(|i| (0..4).map(move |n| (i, n))).map(|(i, n)| cell(i, n)).sum()
+    check::mutation(&skewed(factor), &strata(&[0.0, 1.0])[0], &PrimaryImportance, bin, TRIALS)
 }
 
-struct Nothing;
+const TRIALS: Trials = Trials { count: 200_000, seed: 9 };
 
-impl crate::engine::Sink<Splat<1>> for Nothing {
-    fn deposit(&mut self, _: Splat<1>, _: f64) {}
+#[test]
+fn steps_are_symmetric_and_keep_the_target() {
+    assert!(checked(1.0).is_sound(), "{}", checked(1.0));
+    let report = checked(1.3);
+    assert!(report.breaks(Law::Inverse) && report.breaks(Law::Stationary), "the control goes unnoticed: {report}");
+}
+
+/// A tracer that counts its calls, and one that adds to what was there.
+struct Impure {
+    calls: AtomicU32,
+    adds: bool,
+}
+
+impl Tracer<2> for Impure {
+    type Output = Value;
+
+    fn trace(&self, streams: &mut Streams<2>, output: &mut Value) -> bool {
+        let before = output.value;
+        let lit = Toy { low: 0.0, high: 1.0 }.trace(streams, output);
+        if self.adds {
+            output.value += before;
+        } else {
+            output.value *= f64::from(1 + self.calls.fetch_add(1, Ordering::Relaxed) % 3);
+        }
+        lit
+    }
 }
 
 #[test]
-fn the_target_is_stationary() {
-    for steps in [0, 1, 7] {
-        let x = chi_squared(steps, 1.0);
-        assert!(x < 44.3, "{steps} steps: χ² = {x}, p < 1e-4");
-    }
-    let x = chi_squared(7, 1.3);
-    assert!(x > 60.0, "the control goes unnoticed: χ² = {x}");
+fn a_tracer_is_a_function_of_its_numbers() {
+    let broken = |report: Report| report.broken.iter().map(|finding| finding.law).collect::<Vec<_>>();
+    let impure = |adds| Impure { calls: AtomicU32::new(0), adds };
+    let trials = Trials { count: 100, seed: 1 };
+    assert_eq!(broken(check::tracer(&Toy { low: 0.0, high: 1.0 }, trials)), []);
+    assert!(broken(check::tracer(&impure(false), trials)).contains(&Law::Repeatable));
+    assert!(broken(check::tracer(&impure(true), trials)).contains(&Law::Overwritten));
 }
 
 /// Of all streams, one after the other.
 fn numbers(path: &State) -> Vec<u32> {
     path.streams().iter().flat_map(Stream::numbers).copied().collect()
-}
-
-#[test]
-fn the_same_numbers_give_the_same_output() {
-    let tracer = Toy { low: 0.0, high: 1.0 };
-    let mut rng = generator(1, Purpose::Sample, 0, 0, 0);
-    let (mut path, mut again) = (State::default(), Value::default());
-    for _ in 0..100 {
-        assert!(path.trace(None, &tracer, &mut rng));
-        let mut streams = path.streams().each_ref().map(Stream::again);
-        assert!(tracer.trace(&mut streams, &mut again));
-        assert_eq!(&again, path.output());
-        assert_eq!(streams.each_ref().map(Stream::numbers), path.streams().each_ref().map(Stream::numbers));
-    }
 }
 
 /// χ² with 255 degrees of freedom of the first four bits of pairs of numbers, from many states of which each began a stream: two of
@@ -210,7 +182,7 @@ fn fresh_numbers_are_independent_of_each_other() {
     let states = 40_000;
     let mut path = PrimaryPath::<Value, 2>::default();
     for _ in 0..states {
-        path.trace(None, &tracer, &mut rng);
+        path.propose(None, &tracer, &mut rng);
         let numbers = numbers(&path);
         for ([i, j], counts) in pairs.iter().zip(&mut counts) {
             counts[(numbers[*i] >> 28) as usize][(numbers[*j] >> 28) as usize] += 1.0;
@@ -237,7 +209,7 @@ impl Tracer<2> for Long {
 
 #[test]
 fn small_steps_are_symmetric_and_log_uniform_between_their_bounds() {
-    let near = Perturbation::new(1.0 / 1024.0, 1.0 / 64.0);
+    let near = StepSize::new(1.0 / 1024.0, 1.0 / 64.0);
     let mut rng = generator(2, Purpose::Sample, 0, 0, 0);
     let (mut up, mut octaves) = (0, [0; 4]);
     for _ in 0..40_000 {
@@ -258,7 +230,7 @@ fn a_small_step_moves_every_number_a_little_and_none_to_another_place() {
     let small = PrimaryMutation::Small(SmallStep::new(1.0, 1.0 / 1024.0, 1.0 / 64.0));
     let mut rng = generator(3, Purpose::Sample, 0, 0, 0);
     let (mut x, mut y) = (State::default(), State::default());
-    x.trace(None, &stratum.tracer, &mut rng);
+    x.propose(None, &stratum.tracer, &mut rng);
     for _ in 0..1000 {
         small.propose(&x, &mut y, stratum, &mut rng).expect("never dark");
         let [of_x, of_y] = [&x, &y].map(|path| path.streams()[1].numbers().len());

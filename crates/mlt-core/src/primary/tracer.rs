@@ -16,6 +16,9 @@ pub trait Output: Clone + Default {
 
 /// A function F of uniform random numbers, with ∫ F(u) du the image.
 ///
+/// A tracer that picks one of P pixels by its numbers deposits P times the radiance that it finds there: each pixel is picked in a
+/// P-th of all cases. One that takes the pixel from elsewhere cannot be used, as its chains would never leave it.
+///
 /// `STREAMS` sequences of numbers are played back independently of each other: parts that use varying amounts of numbers
 /// (the two subpaths of a bidirectional sampler) take one each, so that a change in one does not shift the others.
 pub trait Tracer<const STREAMS: usize> {

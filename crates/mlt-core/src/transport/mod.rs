@@ -16,6 +16,51 @@
 //! | [`accel`] | What a ray meets first. |
 //! | [`geometry`] | Vertices, rays, meshes. |
 //! | [`colour`] | Radiance and reflectance. |
+//!
+//! # A render
+//!
+//! ```
+//! use mlt_core::glam::{DVec3, Vec3};
+//! use mlt_core::transport::bsdf::{Bsdf, Lambert};
+//! use mlt_core::transport::geometry::Mesh;
+//! use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+//! use mlt_core::transport::scene::{CameraPose, Material, Scene, SceneDescription, View};
+//! use mlt_core::transport::{Rgb, image};
+//! use std::ops::ControlFlow;
+//!
+//! let quad = |material, y, z: [f64; 2]| Mesh {
+//!     positions: [[-1.0, z[0]], [1.0, z[0]], [1.0, z[1]], [-1.0, z[1]]].map(|[x, z]| DVec3::new(x, y, z)).to_vec(),
+//!     triangles: vec![[0, 1, 2], [0, 2, 3]],
+//!     material,
+//!     ..Mesh::default()
+//! };
+//! let material = |reflectance, emission| Material {
+//!     name: String::new(),
+//!     bsdf: Bsdf::Lambert(Lambert { reflectance: Rgb::splat(reflectance) }),
+//!     emission: Rgb::splat(emission),
+//!     emits_both_sides: false,
+//!     opacity: 1.0,
+//! };
+//! let scene = Scene::new(SceneDescription {
+//!     meshes: vec![quad(0, 0.0, [1.0, -1.0]), quad(1, 2.0, [-1.0, 1.0])], // a floor that faces up, a lamp that faces down
+//!     materials: vec![material(0.5, 0.0), material(0.0, 3.0)],
+//!     cameras: Vec::new(),
+//! })?;
+//! let camera = scene.camera(&CameraPose {
+//!     name: String::new(),
+//!     position: DVec3::new(0.0, 1.0, 0.0),
+//!     forward: Vec3::NEG_Y,
+//!     up: Vec3::NEG_Z,
+//!     vertical_fov: 1.0,
+//!     aspect_ratio: None,
+//! }, [8, 8]);
+//! let renderer = Renderer::new(View { scene: &scene, camera: &camera }, Settings::new(Method::Path, 16.0));
+//! let (mut film, mut counts) = (renderer.film(), Counts::default());
+//! renderer.render(0..8, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
+//! // Form factor of parallel squares at a distance of their side, in the middle: about 0.24; the floor shows 0.5 × 3 × that.
+//! assert!((image::mean_luminance(&film).mean - 0.34).abs() < 0.05);
+//! # Ok::<(), mlt_core::transport::scene::UnusableScene>(())
+//! ```
 
 pub mod accel;
 pub mod bsdf;

@@ -105,7 +105,7 @@ mod tests {
             let mut deposits = film.deposits();
             (0..1600).for_each(|site| deposits.deposit(Splat { site, value: [value(site, round); 3] }, 1.0));
             film.add(&[deposits]);
-            film.close_round(1);
+            film.close_round(u64::from(round), 1);
         }
         film
     }

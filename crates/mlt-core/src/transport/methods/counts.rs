@@ -14,16 +14,14 @@ pub struct Counts {
     pub pilot_mutations: u64,
     /// Rays of the pilot.
     pub pilot_rays: u64,
-    /// Metropolis: one entry a stratum.
-    pub strata: Vec<StratumStats>,
-    /// Names of the mutations, in the order of every stratum's list.
-    pub mutations: Vec<&'static str>,
+    /// Metropolis: its strata and mutations.
+    pub chains: Tally,
 }
 
 impl Counts {
     /// Steps of all chains.
     pub fn steps(&self) -> u64 {
-        self.strata.iter().map(StratumStats::steps).sum()
+        self.chains.strata.iter().map(StratumStats::steps).sum()
     }
 }
 

@@ -3,9 +3,10 @@
 use super::counts::{Counts, PilotCounts};
 use super::independent::{ImageSampler, Independent, SampleTally, Selection};
 use crate::engine::{
-    self, Estimator, Film, Importance, Metropolis, Mutation, Outcome, Path, Progress, Splat, Stratum, Sum, SumTally,
-    Tally,
+    self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Path, Progress, Share, Splat, Stratum,
+    Sum, SumTally,
 };
+use crate::transport::scene::rays_traced;
 use std::ops::{ControlFlow, Range};
 
 /// Called with the state of a render; it breaks to stop it.
@@ -39,11 +40,8 @@ impl Run<'_, '_> {
         I: Importance<P> + Sync,
     {
         let counts = self.counts;
-        let mut tally = Tally { strata: std::mem::take(&mut counts.strata) };
-        let outcome = repeat(estimator, self.rounds, self.film, &mut tally, self.observe);
-        counts.mutations = estimator.mixture.mutations().iter().map(Mutation::<P, S>::name).collect();
-        counts.rays = tally.work();
-        counts.strata = tally.strata;
+        let outcome = repeat(estimator, self.rounds, self.film, &mut counts.chains, self.observe);
+        counts.rays = counts.chains.work();
         outcome
     }
 
@@ -66,17 +64,27 @@ impl Run<'_, '_> {
         M: Mutation<P, S> + Sync,
         I: Importance<P> + Sync,
     {
-        let (counts, mutations) = (self.counts, chains.mixture.mutations());
-        let tally = Tally { strata: std::mem::take(&mut counts.strata) };
+        let counts = self.counts;
+        let tally = std::mem::take(&mut counts.chains);
         let chain_rays = tally.work();
         let mut tally = SumTally(SampleTally { samples: counts.samples, rays: counts.rays - chain_rays }, tally);
-        let outcome = repeat(&Sum(samples, chains), self.rounds, self.film, &mut tally, self.observe);
+        let outcome = repeat(&Sum(samples, chains.partial()), self.rounds, self.film, &mut tally, self.observe);
         let SumTally(samples, tally) = tally;
-        counts.mutations = mutations.iter().map(Mutation::<P, S>::name).collect();
         (counts.samples, counts.rays) = (samples.samples, samples.rays + tally.work());
-        counts.strata = tally.strata;
+        counts.chains = tally;
         outcome
     }
+}
+
+/// Chains that count rays, in strata whose shares are at least one mutation and one sample.
+pub(super) fn metropolis<'s, P, S, M, I>(
+    strata: &'s [(S, Share)],
+    mixture: &'s Mixture<P, S, M>,
+    importance: &'s I,
+    seed: u64,
+) -> Metropolis<'s, P, S, M, I> {
+    let chains = Metropolis::new(strata, mixture, importance, seed);
+    chains.expect("every plan has strata, none of which gets nothing").counting(rays_traced)
 }
 
 fn repeat<E: Estimator<3>>(

@@ -6,7 +6,7 @@
 //! is least for its work at m/n = √(V_b (1 + P/n)/(c P)). V_b differs by scenes, from 0.1 to 10⁴, and is measured before the
 //! first round.
 
-use crate::engine::{LEAST_SAMPLES, MUTATIONS_A_SAMPLE, Share, Stratum, shares_by_power};
+use crate::engine::{LEAST_SAMPLES, MUTATIONS_A_SAMPLE, Share, Stratum, shares_by_power, with_shares};
 use crate::transport::methods::metropolis::LightStratum;
 use crate::transport::scene::View;
 
@@ -57,21 +57,21 @@ pub(crate) fn mutations_a_sample(view: View, usual: u64) -> u64 {
 }
 
 /// Shares of so many mutations by power, with independent samples as their weights' spread asks for. `spread` measures it with the
-/// samples of given shares, as [`Metropolis::spread`](crate::engine::Metropolis::spread) does. And the work of that.
+/// samples of strata with shares, as [`Metropolis::spread`](crate::engine::Metropolis::spread) does. And the work of that.
 ///
 /// The spread of what specular surfaces make is not measured, as it lies in paths that no such measurement meets.
-pub(crate) fn fitted_shares<P>(
+pub(crate) fn fitted_shares<P, S: Stratum<P>>(
     view: View,
     samples: Samples,
-    strata: &[impl Stratum<P>],
+    strata: Vec<S>,
     mutations: f64,
-    spread: impl FnOnce(&[Share]) -> (Option<f64>, u64),
+    spread: impl FnOnce(&[(S, Share)]) -> (Option<f64>, u64),
 ) -> (Vec<Share>, u64) {
-    let unknown = shares_by_power(strata, mutations, mutations_a_sample(view, samples.usual));
+    let unknown = shares_by_power(&strata, mutations, mutations_a_sample(view, samples.usual));
     if view.scene.needs().specular {
         return (unknown, 0);
     }
-    let (spread, work) = spread(&unknown);
+    let (spread, work) = spread(&paired(strata, &unknown));
     let fitted = |Share { mutations, .. }: Share| {
         let n = mutations as f64;
         let samples = (n / samples.fitted(n, f64::from(view.camera.pixels()), spread)) as u64;
@@ -91,6 +91,11 @@ pub(crate) fn with_met(strata: &[LightStratum], mut shares: Vec<Share>) -> Vec<S
     shares
 }
 
+/// Strata with the shares that were made for them.
+pub(crate) fn paired<S>(strata: Vec<S>, shares: &[Share]) -> Vec<(S, Share)> {
+    with_shares(strata, shares).expect("a plan has a share for each of its strata")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -105,11 +110,11 @@ mod tests {
     fn mutations_a_sample_of(world: &World, method: Method, side: u32) -> f64 {
         let camera = world.camera.with_size([side, side]);
         let view = View { camera: &camera, ..world.view() };
-        let renderer = Renderer::new(view, Settings { method, per_pixel: 4.0, ..Settings::default() });
+        let renderer = Renderer::new(view, Settings::new(method, 4.0));
         let (mut film, mut counts) = (renderer.film(), Counts::default());
         renderer.render(0..1, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
         assert_eq!(counts.pilot_rays > 0, !view.scene.needs().specular);
-        counts.steps() as f64 / counts.strata[0].samples as f64
+        counts.steps() as f64 / counts.chains.strata[0].samples as f64
     }
 
     #[test]

@@ -14,11 +14,12 @@ pub const MOST_EDGES: usize = 1000;
 
 /// How the image is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Method {
     /// Independent samples where they are better, Metropolis where it pays: see [`auto`](mod@super::auto).
+    #[default]
     Auto,
     /// Stratified Metropolis light transport in path space.
-    #[default]
     Metropolis,
     /// Bidirectional path tracing.
     Bidirectional,
@@ -30,8 +31,9 @@ pub enum Method {
     Multiplexed,
 }
 
-/// What decides the bits of a render, besides the scene and the camera.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// What decides the bits of a render, besides the scene and the camera. The default is what `mlt render` does by itself.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Settings {
     /// How the image is estimated.
     pub method: Method,
@@ -56,6 +58,30 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// A method with this many mutations (Metropolis) or samples of each pixel in a round: 4 to 64 in each of 16 rounds make a
+    /// usual image. Everything else is as `mlt render` has it by itself.
+    pub fn new(method: Method, per_pixel: f64) -> Self {
+        Self {
+            method,
+            stratification: Stratification::default(),
+            classes: Classes::default(),
+            adaptation: Adaptation::default(),
+            variant: Variant::default(),
+            perturbations: Perturbations::default(),
+            target: Target::default(),
+            max_edges: None,
+            seed: 0,
+            per_pixel,
+        }
+    }
+
+    /// The same but for a change: `settings.with(|s| s.seed = 7)`.
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
     /// Most edges of a path.
     pub(super) fn most_edges(&self) -> usize {
         self.max_edges.unwrap_or(MOST_EDGES).clamp(1, MOST_EDGES)
@@ -64,5 +90,12 @@ impl Settings {
     /// Mutations of a round.
     pub(super) fn mutations_per_round(&self, view: View) -> f64 {
         self.per_pixel * f64::from(view.camera.pixels())
+    }
+}
+
+impl Default for Settings {
+    /// A sixteenth of the 64 samples of each pixel that `mlt render` takes.
+    fn default() -> Self {
+        Self::new(Method::default(), 4.0)
     }
 }

@@ -24,8 +24,7 @@ pub(super) fn importance(view: View, settings: &Settings) -> PixelImportance {
 /// Luminance of each pixel, with noise.
 fn quick_image(view: View, settings: &Settings) -> Vec<f64> {
     let &Settings { max_edges, seed, .. } = settings;
-    let method = Method::Bidirectional;
-    let quick = Settings { method, max_edges, seed, per_pixel: SAMPLES_OF_LEVEL, ..Settings::default() };
+    let quick = Settings { max_edges, seed, ..Settings::new(Method::Bidirectional, SAMPLES_OF_LEVEL) };
     let mut film = Film::new(view.camera.pixels(), film_unit(view));
     BidirectionalTracing::new(view, quick).render(Run {
         rounds: PILOT..PILOT + 1,

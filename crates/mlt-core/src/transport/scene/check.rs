@@ -7,7 +7,7 @@ use crate::transport::geometry::Mesh;
 /// What makes a scene unusable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SceneError {
+pub enum UnusableScene {
     /// There is nothing to see.
     #[error("the scene has no triangle")]
     NoTriangle,
@@ -30,13 +30,13 @@ pub enum SceneError {
 }
 
 /// Whether all that a description refers to is there.
-pub(super) fn check(description: &SceneDescription) -> Result<(), SceneError> {
+pub(super) fn check(description: &SceneDescription) -> Result<(), UnusableScene> {
     let total: usize = description.meshes.iter().map(|m| m.triangles.len()).sum();
     if total > Scene::MOST_TRIANGLES {
-        return Err(SceneError::TooLarge(total));
+        return Err(UnusableScene::TooLarge(total));
     }
     for mesh in &description.meshes {
-        let bad = |what, index: u32| SceneError::BadIndex { mesh: mesh.name.clone(), what, index: index as usize };
+        let bad = |what, index: u32| UnusableScene::BadIndex { mesh: mesh.name.clone(), what, index: index as usize };
         if mesh.material as usize >= description.materials.len() {
             return Err(bad("material", mesh.material));
         }

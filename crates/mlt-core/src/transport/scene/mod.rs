@@ -22,7 +22,7 @@ use std::cell::Cell;
 use ties::{Surfaces, Ties};
 
 pub use camera::{Camera, CameraPose, CameraRay};
-pub use check::SceneError;
+pub use check::UnusableScene;
 pub use description::{SceneDescription, SurfaceName};
 pub(crate) use light::Piece;
 pub use light::{Light, LightPoint};
@@ -69,7 +69,7 @@ impl Scene {
     ///
     /// # Errors
     /// If there is no triangle or no light, or a mesh refers to what is not there.
-    pub fn new(mut description: SceneDescription) -> Result<Self, SceneError> {
+    pub fn new(mut description: SceneDescription) -> Result<Self, UnusableScene> {
         check(&description)?;
         let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
         drop_invisible(&mut description);
@@ -80,11 +80,11 @@ impl Scene {
         let (mut primitives, normals) = primitives(&description, &space);
         let triangles: Vec<_> = primitives.iter().map(|p: &Primitive| p.vertices).collect();
         if triangles.is_empty() {
-            return Err(SceneError::NoTriangle);
+            return Err(UnusableScene::NoTriangle);
         }
         let lights = Lights::new(meshes, materials, &triangles);
         if lights.lights.is_empty() {
-            return Err(SceneError::NoLight);
+            return Err(UnusableScene::NoLight);
         }
         let coarse_size = coarse_size(&triangles);
         primitives.iter_mut().for_each(|p| p.set_error(coarse_size));

@@ -211,13 +211,18 @@ impl Pilot<'_> {
     /// What chains find in each part.
     fn chains(&self, view: View, strata: &[LightStratum], findings: &Findings, rounds: u64) -> (Vec<Chained>, Tally) {
         let mutations = self.mutations(view.camera.pixels(), strata.len());
-        let shares = vec![Share { mutations, samples: mutations.div_ceil(MUTATIONS_PER_SAMPLE) }; strata.len()];
+        let share = Share { mutations, samples: mutations.div_ceil(MUTATIONS_PER_SAMPLE) };
+        let strata: Vec<_> = strata.iter().map(|&stratum| (stratum, share)).collect();
         let mixture = Mixture::new(PathMutation::all(view));
         let (importance, seed) = (self.importance, self.seed);
-        let chains = Metropolis { strata, shares: &shares, mixture: &mixture, importance, seed, work: rays_traced };
         let pixels = view.camera.pixels();
+        let (rounds_of_pilot, weigh) = (CHAIN_PILOT..CHAIN_PILOT + rounds, |_: &[f64]| findings.weights.to_vec());
+        let pilot = |chains: Metropolis<_, _, _, _>| {
+            chains.counting(rays_traced).partial().pilot(pixels, rounds_of_pilot, &weigh)
+        };
+        // Where paths may have one edge only, no part is open to chains.
         let Piloted { measures, images, tally } =
-            chains.pilot(pixels, CHAIN_PILOT..CHAIN_PILOT + rounds, &|_| findings.weights.to_vec());
+            Metropolis::new(&strata, &mixture, importance, seed).map_or_else(|_| Piloted::default(), pilot);
         let of_image = |(part, (measure, image)): (usize, (Measure, Vec<_>))| {
             let energy = image.iter().map(|(_, value)| value).sum::<f64>() / f64::from(pixels);
             let relative = if measure.b > 0.0 { measure.b_stderr / measure.b } else { 0.0 };

@@ -4,18 +4,19 @@ use super::candidates::Sampler;
 use super::parts::SomePaths;
 use super::plan::{Plan, Summary};
 use super::{Pilot, PilotCounts};
-use crate::engine::{Metropolis, Mixture, Outcome};
+use crate::engine::{Metropolis, Mixture, Outcome, Share};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::bidirectional::Bidirectional;
 use crate::transport::methods::independent::{AllPaths, ImageSampler, Independent};
 use crate::transport::methods::metropolis::{LightStratum, PathMutation};
 use crate::transport::methods::path_tracing::PathTracer;
-use crate::transport::methods::run::Run;
+use crate::transport::methods::run::{Run, metropolis};
+use crate::transport::methods::samples::paired;
 use crate::transport::methods::settings::Settings;
 use crate::transport::methods::target::importance;
 use crate::transport::paths::LightPath;
-use crate::transport::scene::{View, rays_traced};
+use crate::transport::scene::View;
 
 /// Independent samples where they are better, Metropolis where it pays.
 pub struct Auto<'a> {
@@ -85,16 +86,16 @@ impl<'a> Auto<'a> {
         run.mixture(samples, self.estimator(&strata, &mixture))
     }
 
-    fn strata(&self) -> Vec<LightStratum<'_>> {
-        LightStratum::of_kinds(&self.plan.strata, &self.plan.chained, self.view, self.settings.most_edges())
+    fn strata(&self) -> Vec<(LightStratum<'_>, Share)> {
+        let Plan { strata, chained, shares, .. } = &self.plan;
+        paired(LightStratum::of_kinds(strata, chained, self.view, self.settings.most_edges()), shares)
     }
 
     fn estimator<'s>(
         &'s self,
-        strata: &'s [LightStratum<'s>],
+        strata: &'s [(LightStratum<'s>, Share)],
         mixture: &'s Mixture<LightPath, LightStratum<'s>, PathMutation<'s>>,
     ) -> Metropolis<'s, LightPath, LightStratum<'s>, PathMutation<'s>, PixelImportance> {
-        let (shares, importance, seed) = (&self.plan.shares, &self.importance, self.settings.seed);
-        Metropolis { strata, shares, mixture, importance, seed, work: rays_traced }
+        metropolis(strata, mixture, &self.importance, self.settings.seed)
     }
 }

@@ -7,11 +7,12 @@ use super::variant::Variant;
 use crate::engine::{MUTATIONS_A_SAMPLE, Metropolis, Mixture, Share, shares_by_power};
 use crate::transport::image::{PixelImportance, error_weights};
 use crate::transport::lights::{LightRegion, LightStrata, Stratification};
-use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample, with_met};
+use crate::transport::methods::run::metropolis;
+use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample, paired, with_met};
 use crate::transport::methods::settings::Settings;
 use crate::transport::methods::target::importance;
 use crate::transport::paths::LightPath;
-use crate::transport::scene::{View, rays_traced};
+use crate::transport::scene::View;
 
 /// Chains over paths, whatever the strata and their shares.
 pub(super) struct PathChains<'a> {
@@ -50,8 +51,9 @@ impl<'a> PathChains<'a> {
             },
             measure: &|parts, shares, rounds| {
                 let strata = LightStratum::product(parts, view, max_edges, classes);
-                let (shares, mixture) = (with_met(&strata, shares.to_vec()), self.mutations());
-                let estimator = self.estimator(&strata, &shares, &mixture);
+                let shares = with_met(&strata, shares.to_vec());
+                let (strata, mixture) = (paired(strata, &shares), self.mutations());
+                let estimator = self.estimator(&strata, &mixture);
                 let found = estimator.pilot(view.camera.pixels(), rounds, &|image| error_weights(image, size));
                 (found.measures, found.tally)
             },
@@ -61,9 +63,8 @@ impl<'a> PathChains<'a> {
 
     /// Shares of a round by power, with as many independent samples as are worth their work, and the rays that this took.
     pub(super) fn shares_by_power(&self, parts: &LightStrata) -> (Vec<Share>, u64) {
-        let strata = self.strata(parts);
-        let spread = |shares: &[Share]| self.estimator(&strata, shares, &self.mutations()).spread();
-        fitted_shares(self.view, Samples::OF_PATHS, &strata, self.mutations_per_round(), spread)
+        let spread = |strata: &[_]| self.estimator(strata, &self.mutations()).spread();
+        fitted_shares(self.view, Samples::OF_PATHS, self.strata(parts), self.mutations_per_round(), spread)
     }
 
     /// The strata of paths over parts of the lights.
@@ -81,12 +82,10 @@ impl<'a> PathChains<'a> {
 
     pub(super) fn estimator<'s>(
         &'s self,
-        strata: &'s [LightStratum<'s>],
-        shares: &'s [Share],
+        strata: &'s [(LightStratum<'s>, Share)],
         mixture: &'s Mixture<LightPath, LightStratum<'s>, PathMutation<'s>>,
     ) -> Metropolis<'s, LightPath, LightStratum<'s>, PathMutation<'s>, PixelImportance> {
-        let (seed, importance) = (self.settings.seed, &self.importance);
-        Metropolis { strata, shares, mixture, importance, seed, work: rays_traced }
+        metropolis(strata, mixture, &self.importance, self.settings.seed)
     }
 
     fn mutations_per_round(&self) -> f64 {

@@ -8,7 +8,7 @@ pub(super) mod variant;
 
 use super::counts::PilotCounts;
 use super::run::Run;
-use super::samples::with_met;
+use super::samples::{paired, with_met};
 use super::settings::Settings;
 use crate::engine::{Outcome, Share};
 use crate::transport::lights::LightStrata;
@@ -46,7 +46,7 @@ impl<'a> PathMetropolis<'a> {
 
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
-        let (strata, mixture) = (self.chains.strata(&self.strata), self.chains.mutations());
-        run.after(self.pilot).metropolis(&self.chains.estimator(&strata, &self.shares, &mixture))
+        let strata = paired(self.chains.strata(&self.strata), &self.shares);
+        run.after(self.pilot).metropolis(&self.chains.estimator(&strata, &self.chains.mutations()))
     }
 }

@@ -1,16 +1,16 @@
 //! What the two methods in primary sample space share.
 
 use super::Part;
-use crate::engine::{Importance, Metropolis, Mixture, Mutation, Outcome, Path, Share, Splat, Stratum};
+use crate::engine::{Importance, Mixture, Mutation, Outcome, Path, Share, Splat, Stratum};
 use crate::primary::{PrimaryImportance, PrimaryMutation};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightStrata;
 use crate::transport::methods::counts::PilotCounts;
-use crate::transport::methods::run::Run;
+use crate::transport::methods::run::{Run, metropolis};
 use crate::transport::methods::samples::{Samples, fitted_shares};
 use crate::transport::methods::settings::Settings;
 use crate::transport::methods::target::importance;
-use crate::transport::scene::{View, rays_traced};
+use crate::transport::scene::View;
 
 /// Chains over random numbers, whatever is made of them.
 pub(super) struct PrimaryChains<'a> {
@@ -38,22 +38,22 @@ impl<'a> PrimaryChains<'a> {
     }
 
     /// Shares of a round, and what finding them took.
-    pub(super) fn shares<P, S>(&self, strata: &[S], samples: Samples) -> (Vec<Share>, PilotCounts)
+    pub(super) fn shares<P, S>(&self, strata: Vec<S>, samples: Samples) -> (Vec<Share>, PilotCounts)
     where
         P: Path,
         S: Stratum<P> + Sync,
         PrimaryMutation: Mutation<P, S> + Sync,
         PrimaryImportance: Importance<P>,
     {
-        let mixture = Mixture::new(Vec::new());
-        let spread = |shares: &[Share]| self.estimator(strata, shares, &mixture).spread();
+        let mixture = Mixture::<P, S, PrimaryMutation>::new(Vec::new());
+        let spread = |strata: &[_]| metropolis(strata, &mixture, &PrimaryImportance, self.settings.seed).spread();
         let mutations = self.settings.mutations_per_round(self.view);
         let (shares, rays) = fitted_shares(self.view, samples, strata, mutations, spread);
         (shares, PilotCounts { mutations: 0, rays })
     }
 
     /// Adds rounds.
-    pub(super) fn render<P, S>(&self, strata: &[S], shares: &[Share], large_steps: f64, run: Run) -> Outcome
+    pub(super) fn render<P, S>(&self, strata: &[(S, Share)], large_steps: f64, run: Run) -> Outcome
     where
         P: Path<Splat = Splat<3>> + Send,
         S: Stratum<P> + Sync,
@@ -61,16 +61,6 @@ impl<'a> PrimaryChains<'a> {
         PrimaryImportance: Importance<P>,
     {
         let mixture = Mixture::new(PrimaryMutation::both(large_steps));
-        run.metropolis(&self.estimator(strata, shares, &mixture))
-    }
-
-    fn estimator<'s, P, S>(
-        &self,
-        strata: &'s [S],
-        shares: &'s [Share],
-        mixture: &'s Mixture<P, S, PrimaryMutation>,
-    ) -> Metropolis<'s, P, S, PrimaryMutation, PrimaryImportance> {
-        let (importance, seed) = (&PrimaryImportance, self.settings.seed);
-        Metropolis { strata, shares, mixture, importance, seed, work: rays_traced }
+        run.metropolis(&metropolis(strata, &mixture, &PrimaryImportance, self.settings.seed))
     }
 }

@@ -11,7 +11,7 @@ use crate::primary::{Output, PrimaryStratum, Stream, Streams, Tracer};
 use crate::transport::image::PixelImportance;
 use crate::transport::methods::counts::PilotCounts;
 use crate::transport::methods::run::Run;
-use crate::transport::methods::samples::Samples;
+use crate::transport::methods::samples::{Samples, paired};
 use crate::transport::methods::settings::Settings;
 use crate::transport::paths::mis::Ends;
 use crate::transport::paths::subpath::{
@@ -186,14 +186,14 @@ impl<'a> Mmlt<'a> {
     pub fn new(view: View<'a>, settings: Settings) -> Self {
         let techniques = Techniques::new(settings.most_edges());
         let chains = PrimaryChains::new(view, settings);
-        let (shares, pilot) = chains.shares(&strata(&chains, &techniques), Samples::MULTIPLEXED);
+        let (shares, pilot) = chains.shares(strata(&chains, &techniques), Samples::MULTIPLEXED);
         Self { chains, techniques, shares, pilot }
     }
 
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
         let strata = strata(&self.chains, &self.techniques);
-        self.chains.render(&strata, &self.shares, large_steps(self.chains.pixels()), run.after(self.pilot))
+        self.chains.render(&paired(strata, &self.shares), large_steps(self.chains.pixels()), run.after(self.pilot))
     }
 }
 

@@ -10,7 +10,7 @@ use crate::transport::image::PixelImportance;
 use crate::transport::methods::bidirectional::Bidirectional;
 use crate::transport::methods::counts::PilotCounts;
 use crate::transport::methods::run::Run;
-use crate::transport::methods::samples::Samples;
+use crate::transport::methods::samples::{Samples, paired};
 use crate::transport::methods::settings::Settings;
 use crate::transport::paths::LightPath;
 use crate::transport::scene::View;
@@ -87,13 +87,13 @@ impl<'a> Pssmlt<'a> {
     /// Cuts the lights and measures how many samples a round needs.
     pub fn new(view: View<'a>, settings: Settings) -> Self {
         let chains = PrimaryChains::new(view, settings);
-        let (shares, pilot) = chains.shares(&strata(&chains), Samples::BIDIRECTIONAL);
+        let (shares, pilot) = chains.shares(strata(&chains), Samples::BIDIRECTIONAL);
         Self { chains, shares, pilot }
     }
 
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
-        self.chains.render(&strata(&self.chains), &self.shares, LARGE_STEPS, run.after(self.pilot))
+        self.chains.render(&paired(strata(&self.chains), &self.shares), LARGE_STEPS, run.after(self.pilot))
     }
 }
 
