@@ -11,15 +11,15 @@ use crate::support::render;
 fn a_caustic_that_is_seen_through_glass_is_in_every_cut() {
     const VIEW: &str = "--camera-from 0.2,0.1,3.4 --camera-to 0,0,0 --fov 38 --size 24x24 --rounds 32";
     let (truth, error) = (0.04548, 8e-5);
-    for strata in ["4x4", "16"] {
+    for (method, strata) in [("mlt", "4x4"), ("mlt", "16"), ("pssmlt", "4x4")] {
         let found = render(
             "lamp-above-glass/scene.obj",
-            &format!("{VIEW} --method mlt --strata {strata} --samples-per-pixel 4096"),
+            &format!("{VIEW} --method {method} --strata {strata} --samples-per-pixel 4096"),
         );
         let (b, stderr) = found.b();
         let deviation = |value: f64| (b - value).abs() / stderr.hypot(error);
-        println!("{strata}: {b} ± {stderr}");
-        assert!(deviation(truth) < 4.0, "{strata}: b = {b} ± {stderr}, not {truth}");
-        assert!(deviation(0.0430) > 4.0, "{strata}: b = {b} ± {stderr} could be what lacks it");
+        println!("{method} {strata}: {b} ± {stderr}");
+        assert!(deviation(truth) < 4.0, "{method} {strata}: b = {b} ± {stderr}, not {truth}");
+        assert!(deviation(0.0430) > 4.0, "{method} {strata}: b = {b} ± {stderr} could be what lacks it");
     }
 }

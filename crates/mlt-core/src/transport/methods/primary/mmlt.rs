@@ -71,7 +71,7 @@ impl Techniques {
     }
 }
 
-/// F(u) = w_s f / (p_s P(k) P(s | k)) of one path of k edges, made with s vertices from the light.
+/// F(u) = q_j w_s f / (p_s P(k) P(s | k)) of one path of k edges, made with s vertices from the light.
 #[derive(Clone, Copy)]
 pub struct Multiplexed<'a, I> {
     /// Where.
@@ -117,7 +117,7 @@ impl<I: Importance<LightPath>> Tracer<STREAMS> for Multiplexed<'_, I> {
 }
 
 impl<I> Multiplexed<'_, I> {
-    /// Makes a path in place; returns w_s/p_s, `None` where its contribution is zero.
+    /// Makes a path in place; returns q_j w_s/p_s, `None` where its contribution is zero.
     fn make(&self, technique: &Technique, path: &mut LightPath, light: &mut Stream, eye: &mut Stream) -> Option<f64> {
         let Part { view, strata, index, .. } = self.part;
         let region = &strata.regions()[index as usize];
@@ -137,11 +137,12 @@ impl<I> Multiplexed<'_, I> {
             }
             set_scattering(&mut path.vertices, i, &view)?;
         }
-        let mut near = None;
+        let (mut near, mut share) = (None, 1.0);
         if s == 0 {
             let x = &path.vertices[0].vertex;
             path.light = view.scene.lights().point(x.primitive, x.position)?;
-            self.part.contains(path).then_some(())?;
+            share = self.part.share(path);
+            (share > 0.0).then_some(())?;
             path.update(&view, 0..=0)?;
         } else {
             if s == 1 {
@@ -154,7 +155,7 @@ impl<I> Multiplexed<'_, I> {
             Some(preference) => Ends { power: region.power(), preference, area: 1.0 },
             None => Ends::new(path, &view, region, 1.0),
         };
-        Some(mis::weight(&path.vertices, s, ends) / mis::density(&path.vertices, s, ends))
+        Some(share * mis::weight(&path.vertices, s, ends) / mis::density(&path.vertices, s, ends))
     }
 
     /// The first s vertices, the very first from two numbers, unless it has to wait for the second; `None` where nothing can be

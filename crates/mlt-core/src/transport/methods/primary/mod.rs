@@ -2,7 +2,8 @@
 //!
 //! Both tracers draw x_0 on their stratum's region, so no vertex drawn on a light leaves the stratum; a path that meets a
 //! light by chance (s = 0) counts only if it meets it in the stratum. Over the paths of Ω_j the MIS weights refer to the
-//! region's density and sum to 1, so that ∫ F(u) du = ∫_{Ω_j} f.
+//! region's density and sum to 1, so that ∫ F(u) du = ∫_{Ω_j} f. Paths that are met by chance and in no other way belong to all
+//! strata, a share q_j = Φ_j/Φ of them to each: there is no light end to draw, so a cut would only throw meetings away.
 
 mod chains;
 mod mmlt;
@@ -11,6 +12,7 @@ mod pssmlt;
 use crate::primary::PrimaryStratum;
 use crate::transport::lights::{LightRegion, LightStrata};
 use crate::transport::paths::LightPath;
+use crate::transport::paths::mis::met_by_chance;
 use crate::transport::scene::View;
 
 pub use mmlt::{Mmlt, Multiplexed, Technique, Techniques};
@@ -48,7 +50,11 @@ impl<'a, I> Part<'a, I> {
         (0..).zip(self.strata.regions()).map(of).collect()
     }
 
-    fn contains(&self, path: &LightPath) -> bool {
-        self.strata.index(path.light()) == self.index
+    /// q_j: how much of a path belongs to this part.
+    fn share(&self, path: &LightPath) -> f64 {
+        if met_by_chance(path.vertices()) {
+            return self.strata.regions()[self.index as usize].power() / self.strata.whole().power();
+        }
+        f64::from(u8::from(self.strata.index(path.light()) == self.index))
     }
 }

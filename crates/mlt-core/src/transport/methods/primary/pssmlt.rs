@@ -21,7 +21,7 @@ const LARGE_STEPS: f64 = 0.3;
 /// Numbers of the light's subpath, numbers of the camera's.
 const STREAMS: usize = 2;
 
-/// F(u) = Σ_{s,t} w_s f / p_s over the connections of the two subpaths.
+/// F(u) = Σ_{s,t} q_j w_s f / p_s over the connections of the two subpaths.
 #[derive(Clone, Copy)]
 pub struct AllConnections<'a, I> {
     /// Where.
@@ -67,7 +67,8 @@ impl<I: Importance<LightPath>> Tracer<STREAMS> for AllConnections<'_, I> {
         output.splats.clear();
         output.importance = 0.0;
         sampler.sample_apart(light, eye, &mut |path, weight| {
-            if self.part.contains(path) {
+            let weight = weight * self.part.share(path);
+            if weight > 0.0 {
                 output.importance += weight * importance.eval(path);
                 output.add(path, weight);
             }
