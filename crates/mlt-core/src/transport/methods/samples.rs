@@ -7,7 +7,6 @@
 //! first round.
 
 use crate::engine::{LEAST_SAMPLES, MUTATIONS_A_SAMPLE, Share, Stratum, shares_by_power, with_shares};
-use crate::transport::methods::metropolis::LightStratum;
 use crate::transport::scene::View;
 
 /// The independent samples of a method.
@@ -78,17 +77,6 @@ pub(crate) fn fitted_shares<P, S: Stratum<P>>(
         Share { mutations, samples: samples.max(LEAST_SAMPLES) }
     };
     (unknown.into_iter().map(fitted).collect(), work)
-}
-
-/// Shares in which what is met by chance has as many samples as all other strata: as many as it would have if nothing were cut.
-pub(crate) fn with_met(strata: &[LightStratum], mut shares: Vec<Share>) -> Vec<Share> {
-    let met = strata.iter().filter(|stratum| stratum.is_met()).count() as u64;
-    let others = |(stratum, share): (&LightStratum, &Share)| if stratum.is_met() { 0 } else { share.samples };
-    let samples = strata.iter().zip(&shares).map(others).sum::<u64>();
-    for (_, share) in strata.iter().zip(&mut shares).filter(|(stratum, _)| stratum.is_met()) {
-        share.samples = share.samples.max(samples / met);
-    }
-    shares
 }
 
 /// Strata with the shares that were made for them.

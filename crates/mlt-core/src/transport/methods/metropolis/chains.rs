@@ -2,13 +2,13 @@
 
 use super::adapt::{Adaptation, Adapted, Pilot, Weights};
 use super::mutate::PathMutation;
-use super::stratum::LightStratum;
+use super::stratum::{LightStratum, with_met};
 use super::variant::Variant;
 use crate::engine::{MUTATIONS_A_SAMPLE, Metropolis, Mixture, Share, shares_by_power};
 use crate::transport::image::{PixelImportance, error_weights};
 use crate::transport::lights::{LightRegion, LightStrata, Stratification};
 use crate::transport::methods::run::metropolis;
-use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample, paired, with_met};
+use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample, paired};
 use crate::transport::methods::settings::Settings;
 use crate::transport::methods::target::importance;
 use crate::transport::paths::LightPath;

@@ -8,13 +8,14 @@ pub(super) mod variant;
 
 use super::counts::PilotCounts;
 use super::run::Run;
-use super::samples::{paired, with_met};
+use super::samples::paired;
 use super::settings::Settings;
 use crate::engine::{Outcome, Share};
 use crate::transport::lights::LightStrata;
 use crate::transport::scene::View;
 use adapt::Adapted;
 use chains::PathChains;
+use stratum::with_met;
 
 pub use adapt::{Adaptation, Weights};
 pub use mutate::{PathMutation, Perturbations};

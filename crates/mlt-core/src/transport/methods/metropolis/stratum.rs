@@ -1,6 +1,6 @@
 //! The strata of path space, as the engine sees them.
 
-use crate::engine::{Stratum, uniform_f32};
+use crate::engine::{Share, Stratum, uniform_f32};
 use crate::transport::lights::{LightRegion, LightStrata};
 use crate::transport::methods::bidirectional::Bidirectional;
 use crate::transport::paths::mis::{self, Ends, met_by_chance};
@@ -183,6 +183,17 @@ impl Stratum<LightPath> for LightStratum<'_> {
         let parts = if self.is_met() { self.strata.regions().len() } else { 1 };
         self.sampler.region.power() / parts as f64 * self.image_area()
     }
+}
+
+/// Shares in which what is met by chance has as many samples as all other strata: as many as it would have if nothing were cut.
+pub(super) fn with_met(strata: &[LightStratum], mut shares: Vec<Share>) -> Vec<Share> {
+    let met = strata.iter().filter(|stratum| stratum.is_met()).count() as u64;
+    let others = |(stratum, share): (&LightStratum, &Share)| if stratum.is_met() { 0 } else { share.samples };
+    let samples = strata.iter().zip(&shares).map(others).sum::<u64>();
+    for (_, share) in strata.iter().zip(&mut shares).filter(|(stratum, _)| stratum.is_met()) {
+        share.samples = share.samples.max(samples / met);
+    }
+    shares
 }
 
 #[cfg(test)]
