@@ -148,8 +148,8 @@ fn paths(name: &str, samples_per_pixel: f64) {
     let loaded = Loaded::builtin(name, [256, 256]);
     let view = loaded.view();
     let region = LightRegion::whole(loaded.scene.lights());
-    let next_event = region.next_event();
-    let tracer = PathTracer { view, next_event, max_edges: MOST_EDGES, max_image_edges: MOST_EDGES, branches: 1 };
+    let light_sampler = region.light_sampler();
+    let tracer = PathTracer { view, light_sampler, max_edges: MOST_EDGES, max_image_edges: MOST_EDGES, branches: 1 };
     let estimator = Independent { sampler: &tracer, selection: AllPaths, samples_per_pixel, seed: 1 };
     let mut film = Film::new(view.camera.pixels(), film_unit(view));
     let rounds = measure(&estimator, &mut film, 1);

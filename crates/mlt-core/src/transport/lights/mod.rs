@@ -9,5 +9,5 @@ mod strata;
 pub use cell::Cell;
 pub use cut::{LightTree, MOST_HALVINGS, Node};
 pub use region::LightRegion;
-pub use sampler::NextEvent;
+pub use sampler::LightSampler;
 pub use strata::{LightStrata, Stratification};

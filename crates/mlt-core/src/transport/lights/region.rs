@@ -1,7 +1,7 @@
 //! A part of the lights, from which points are drawn in proportion to power, or for a vertex that they are to light.
 
 use super::cell::Cell;
-use super::sampler::NextEvent;
+use super::sampler::LightSampler;
 use crate::transport::geometry::Vertex;
 use crate::transport::scene::{LightPoint, Lights};
 use glam::DVec2;
@@ -16,7 +16,7 @@ pub struct LightRegion {
     /// How u lies on each cell.
     scales: Vec<Scale>,
     power: f64,
-    next_event: Arc<NextEvent>,
+    light_sampler: Arc<LightSampler>,
 }
 
 /// The map of an interval of [0, 1) onto a cell.
@@ -50,8 +50,8 @@ impl LightRegion {
             scale
         };
         let scales = cells.iter().zip(&cumulative).map(&mut scale).collect();
-        let next_event = Arc::new(NextEvent::new(lights, &cells));
-        Self { cells, cumulative, scales, power, next_event }
+        let light_sampler = Arc::new(LightSampler::new(lights, &cells));
+        Self { cells, cumulative, scales, power, light_sampler }
     }
 
     /// All lights.
@@ -72,26 +72,26 @@ impl LightRegion {
 
     /// Draws points of the region for a vertex.
     #[inline]
-    pub fn next_event(&self) -> &NextEvent {
-        &self.next_event
+    pub fn light_sampler(&self) -> &LightSampler {
+        &self.light_sampler
     }
 
-    /// λ = d(x_0 | x_1) Φ/M: how much likelier [`next_event`](Self::next_event) draws x_0 for x_1 than [`sample`](Self::sample)
+    /// λ = d(x_0 | x_1) Φ/M: how much likelier [`light_sampler`](Self::light_sampler) draws x_0 for x_1 than [`sample`](Self::sample)
     /// does; 1 where there is but one piece, 0 where x_0, at `point`, is not in the region.
     #[inline]
     pub(crate) fn preference(&self, lights: &Lights, [x_0, x_1]: [&Vertex; 2], point: &LightPoint) -> f64 {
-        if !self.next_event.has_choice() {
+        if !self.light_sampler.has_choice() {
             return 1.0;
         }
         let Some(number) = lights.number(x_0.primitive) else { return 0.0 };
         let exitance = lights.lights[number.0 as usize].exitance();
-        self.preference_of(self.next_event.density(x_1, number, point), exitance)
+        self.preference_of(self.light_sampler.density(x_1, number, point), exitance)
     }
 
     /// The same from d and M.
     #[inline]
     pub(crate) fn preference_of(&self, density: f64, exitance: f64) -> f64 {
-        if self.next_event.has_choice() { density * self.power / exitance } else { 1.0 }
+        if self.light_sampler.has_choice() { density * self.power / exitance } else { 1.0 }
     }
 
     /// A point with density M/power per area, from two uniform numbers; never on a cell's upper bounds.

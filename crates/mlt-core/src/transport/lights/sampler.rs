@@ -17,7 +17,7 @@ const WIDTH: usize = 4;
 
 /// The tree over the pieces of a region.
 #[derive(Clone, Debug)]
-pub struct NextEvent {
+pub struct LightSampler {
     /// Along a Hilbert curve through their centres.
     leaves: Vec<Leaf>,
     /// The root first.
@@ -134,7 +134,7 @@ impl Node {
     }
 }
 
-impl NextEvent {
+impl LightSampler {
     /// Builds the tree over disjoint cells, those of a light in one run and the lights in the order of their numbers.
     pub(crate) fn new(lights: &Lights, cells: &[Cell]) -> Self {
         let mut pieces: Vec<(u32, Piece)> = Vec::new();
@@ -344,7 +344,7 @@ mod tests {
         let (mut rng, mut elsewhere) = (generator(2, Purpose::Sample, 0, 0, 0), 0);
         let whole = LightRegion::whole(world.scene.lights());
         for region in regions(&world) {
-            let tree = region.next_event();
+            let tree = region.light_sampler();
             for vertex in vertices(&world).into_iter().step_by(3) {
                 for _ in 0..10 {
                     let [u, v] = points(&mut rng);
@@ -369,7 +369,7 @@ mod tests {
         let mut rng = generator(3, Purpose::Sample, 0, 0, 0);
         let (n, mut unseen) = (1000, 0);
         for region in regions(&world) {
-            let tree = region.next_event();
+            let tree = region.light_sampler();
             for vertex in vertices(&world).into_iter().step_by(4) {
                 let [mut sum, mut squares] = [0.0; 2];
                 for _ in 0..n {
@@ -401,7 +401,7 @@ mod tests {
     fn near_lights_are_preferred() {
         let world = lamps();
         let region = LightRegion::whole(world.scene.lights());
-        let tree = region.next_event();
+        let tree = region.light_sampler();
         // Beside the small ball of light.
         let near = Vertex { position: Vec3A::new(0.3, 0.3, -0.4), ..vertices(&world)[0] };
         let mut rng = generator(4, Purpose::Sample, 0, 0, 0);

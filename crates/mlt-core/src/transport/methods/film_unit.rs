@@ -46,8 +46,8 @@ pub fn film_unit(view: View) -> f64 {
 fn sampled(sampler: &impl ImageSampler, index: u64) -> f64 {
     let mut rng = OwenSobol::new(0);
     rng.go_to(index);
-    let (image, mut sum) = (Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng)), 0.0);
-    sampler.sample(image, &mut rng, &mut |_, radiance, _| sum += f64::from(luminance(radiance.as_vec3())));
+    let (film, mut sum) = (Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng)), 0.0);
+    sampler.sample(film, &mut rng, &mut |_, radiance, _| sum += f64::from(luminance(radiance.as_vec3())));
     if sum.is_finite() { sum } else { 0.0 }
 }
 

@@ -17,10 +17,10 @@ pub trait ImageSampler: Sync {
     /// Number of pixels in a row, and of rows.
     fn size(&self) -> [u32; 2];
 
-    /// Takes one sample through `image`, in [0, 1)², and shows `visit` its parts: the pixel, if it is not the one at
-    /// `image`, and the radiance. Over uniform points of the image, their expected sum in a pixel is the pixel's radiance
+    /// Takes one sample through `film`, in [0, 1)², and shows `visit` its parts: the pixel, if it is not the one at
+    /// `film`, and the radiance. Over uniform points of the image, their expected sum in a pixel is the pixel's radiance
     /// over the number of pixels.
-    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd));
+    fn sample(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd));
 }
 
 /// A part of path space.
@@ -89,8 +89,8 @@ impl<T: ImageSampler, S: Selection> Independent<'_, T, S> {
         rng.restart(seed);
         for index in 0..samples {
             rng.go_to(index);
-            let image = point_in_pixel(pixel, size, rng);
-            self.sampler.sample(image, rng, &mut |elsewhere, value, end| match elsewhere {
+            let film = point_in_pixel(pixel, size, rng);
+            self.sampler.sample(film, rng, &mut |elsewhere, value, end| match elsewhere {
                 _ if !self.selection.contains(&end) => {}
                 Some(site) => deposits.deposit(Splat { site, value: value.to_array() }, weight),
                 None => here += value,
@@ -185,8 +185,8 @@ mod tests {
     fn instructions_change_no_bit() {
         for (name, world) in worlds() {
             let (view, region) = (world.view(), &LightRegion::whole(world.scene.lights()));
-            let next_event = region.next_event();
-            let paths = PathTracer { view, next_event, max_edges: 12, max_image_edges: 12, branches: 2 };
+            let light_sampler = region.light_sampler();
+            let paths = PathTracer { view, light_sampler, max_edges: 12, max_image_edges: 12, branches: 2 };
             let connected = Bidirectional { view, region, max_edges: 12 };
             for [best, portable] in [both(&paths), both(&connected)] {
                 assert!(!portable.band(0).is_empty(), "{name}");

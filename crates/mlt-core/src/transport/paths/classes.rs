@@ -65,7 +65,7 @@ impl PathClass {
     /// Whether the path belongs to it.
     #[inline]
     pub fn contains(&self, path: &LightPath) -> bool {
-        let inside = path.image.cmpge(self.low).all() && path.image.cmplt(self.high).all();
+        let inside = path.film.cmpge(self.low).all() && path.film.cmplt(self.high).all();
         inside && self.kinds.contains(Kind::of(path))
     }
 

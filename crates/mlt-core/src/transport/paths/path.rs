@@ -18,7 +18,7 @@ pub struct LightPath {
     /// f(x)/g(x), g as in `mis`.
     pub(crate) contribution: DVec3,
     /// Where it crosses the image, in [0, 1)².
-    pub(crate) image: Vec2,
+    pub(crate) film: Vec2,
     /// Index of that pixel.
     pub(crate) pixel: u32,
     /// Number of pixels in the image.
@@ -36,7 +36,7 @@ impl Clone for LightPath {
     fn clone_from(&mut self, source: &Self) {
         self.vertices.clone_from(&source.vertices);
         (self.light, self.contribution) = (source.light, source.contribution);
-        (self.image, self.pixel, self.pixels) = (source.image, source.pixel, source.pixels);
+        (self.film, self.pixel, self.pixels) = (source.film, source.pixel, source.pixels);
     }
 }
 
@@ -155,7 +155,7 @@ impl LightPath {
     }
 
     /// Sets where it crosses the image.
-    pub(crate) fn cross(&mut self, view: &View, image: Vec2) {
-        (self.image, self.pixel, self.pixels) = (image, view.camera.pixel(image), view.camera.pixels());
+    pub(crate) fn cross(&mut self, view: &View, film: Vec2) {
+        (self.film, self.pixel, self.pixels) = (film, view.camera.pixel(film), view.camera.pixels());
     }
 }

@@ -33,7 +33,7 @@ pub(crate) fn start_near(
     x_1: &Vertex,
     [u, v]: [f64; 2],
 ) -> (PathVertex, LightPoint, f64) {
-    let (point, density) = region.next_event().sample(x_1, u, v);
+    let (point, density) = region.light_sampler().sample(x_1, u, v);
     let (x, point) = start_at(view, point);
     (x, point, region.preference_of(density, x.forward))
 }
@@ -78,11 +78,11 @@ pub(crate) fn follow_from_light(
 pub(crate) fn start_at_eye(
     vertices: &mut [PathVertex],
     i: usize,
-    image: Vec2,
+    film: Vec2,
     view: &View,
     rng: &mut impl Rng,
 ) -> Option<()> {
-    let ray = view.camera.sample(image);
+    let ray = view.camera.sample(film);
     let direction = ray.direction();
     let seen = view.scene.follow_ray(ray.origin, direction, rng)?;
     add_towards_light(vertices, i, direction, seen);

@@ -71,7 +71,7 @@ fn labels(path: &LightPath) -> [u32; 5] {
     let cell = |x: f64, n: f64| (x * n).clamp(0.0, n - 1.0) as u32;
     let light = path.light();
     let place = 16 * light.light + 4 * cell(light.u, 4.0) + cell(light.v, 4.0);
-    let image = 4 * cell(f64::from(path.image.x), 4.0) + cell(f64::from(path.image.y), 4.0);
+    let image = 4 * cell(f64::from(path.film.x), 4.0) + cell(f64::from(path.film.y), 4.0);
     let first = &vertices[vertices.len() - 2];
     let angle = cell(f64::from(first.vertex.shading_normal.dot(first.to_eye).abs()), 8.0);
     [(vertices.len() as u32).min(8), kinds, place, image, angle]

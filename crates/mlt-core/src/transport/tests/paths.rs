@@ -170,8 +170,8 @@ pub(crate) fn check_recomputed(name: &str, path: &LightPath, world: &World) {
     assert_eq!(path.contribution, again.contribution, "{name}");
     // The image's point is the one that was drawn; its ray leads back there but for rounding.
     let crossed = world.camera.project(&again.vertices[last].vertex, -again.vertices[last - 1].to_eye).unwrap();
-    assert!(path.image.distance(crossed) < 1e-5, "{name}: {} and {crossed}", path.image);
-    assert_eq!(path.pixel, world.camera.pixel(path.image), "{name}");
+    assert!(path.film.distance(crossed) < 1e-5, "{name}: {} and {crossed}", path.film);
+    assert_eq!(path.pixel, world.camera.pixel(path.film), "{name}");
     for (i, (a, b)) in path.vertices().iter().zip(again.vertices()).enumerate() {
         assert_eq!(a.scatter, b.scatter, "{name}: scatter of {i} in {last}");
         // The camera is never drawn.

@@ -37,11 +37,12 @@ pub(super) struct Candidate {
 impl Candidate {
     /// All methods, for paths of all lengths and for shorter ones.
     pub(super) fn all(view: View, region: &LightRegion, most: usize, seed: u64) -> Vec<Self> {
-        let next_event = region.next_event();
+        let light_sampler = region.light_sampler();
         let lengths = LENGTHS.iter().map(|[_, edges]| *edges).filter(|&edges| edges < most);
         let of_length = |max_edges| {
-            let path =
-                |branches| work_of(&PathTracer { view, next_event, max_edges, max_image_edges: most, branches }, seed);
+            let path = |branches| {
+                work_of(&PathTracer { view, light_sampler, max_edges, max_image_edges: most, branches }, seed)
+            };
             let bidirectional = Self {
                 sampler: Sampler::Bidirectional,
                 max_edges,

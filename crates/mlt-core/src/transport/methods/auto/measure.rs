@@ -119,8 +119,8 @@ impl Pixel {
             let rng = &mut OwenSobol::new(key);
             for index in 0..samples {
                 rng.go_to(index);
-                let image = point_in_pixel(pixel, sampler.size(), rng);
-                sampler.sample(image, rng, &mut |elsewhere, value: DVec3, end| {
+                let film = point_in_pixel(pixel, sampler.size(), rng);
+                sampler.sample(film, rng, &mut |elsewhere, value: DVec3, end| {
                     let (part, value) = (parts.index(&end), value.element_sum());
                     largest[part] = f64::max(largest[part], value);
                     match elsewhere {
@@ -141,8 +141,8 @@ pub(super) fn work_of<T: ImageSampler>(sampler: &T, seed: u64) -> f64 {
     let of_pixel = |pixel| {
         let before = rays_traced();
         let rng = &mut OwenSobol::new(generator(seed, Purpose::Image, PILOT, 0, pixel).next_u64());
-        let image = point_in_pixel(pixel, sampler.size(), rng);
-        sampler.sample(image, rng, &mut |_, _, _| {});
+        let film = point_in_pixel(pixel, sampler.size(), rng);
+        sampler.sample(film, rng, &mut |_, _, _| {});
         rays_traced() - before
     };
     (0..pixels).into_par_iter().map(of_pixel).sum::<u64>() as f64 / pixels as f64

@@ -168,10 +168,10 @@ impl Pilot<'_> {
     }
 
     fn independent(&self, view: View, parts: &Parts) -> PerMethod<Measured> {
-        let (region, next_event, max_edges) = (self.lights, self.lights.next_event(), self.max_edges);
+        let (region, light_sampler, max_edges) = (self.lights, self.lights.light_sampler(), self.max_edges);
         let samples = |n: f64| (n.max(1.0) as u64).next_power_of_two();
         let (path, bidirectional) = (samples(self.per_pixel), samples(self.per_pixel / PATHS));
-        let tracer = PathTracer { view, next_event, max_edges, max_image_edges: max_edges, branches: 1 };
+        let tracer = PathTracer { view, light_sampler, max_edges, max_image_edges: max_edges, branches: 1 };
         PerMethod {
             path: Measured::new(&tracer, parts, path, self.seed),
             bidirectional: Measured::new(&Bidirectional { view, region, max_edges }, parts, bidirectional, self.seed),

@@ -58,8 +58,8 @@ impl<'a> Auto<'a> {
         match self.plan.independent {
             None => self.chains(run),
             Some((Sampler::Path { branches }, samples)) => {
-                let next_event = region.next_event();
-                self.mixture(&PathTracer { view, next_event, max_edges, max_image_edges, branches }, samples, run)
+                let light_sampler = region.light_sampler();
+                self.mixture(&PathTracer { view, light_sampler, max_edges, max_image_edges, branches }, samples, run)
             }
             Some((Sampler::Bidirectional, samples)) => {
                 self.mixture(&Bidirectional { view, region, max_edges: max_image_edges }, samples, run)

@@ -178,8 +178,8 @@ mod tests {
         let n = 400_000;
         let moment = |i: u64| {
             let rng = &mut OwenSobol::new(i);
-            let (image, mut sum) = (Vec2::new(uniform_f32(rng), uniform_f32(rng)), 0.0);
-            sampler.sample(image, rng, &mut |_, value: DVec3, _| {
+            let (film, mut sum) = (Vec2::new(uniform_f32(rng), uniform_f32(rng)), 0.0);
+            sampler.sample(film, rng, &mut |_, value: DVec3, _| {
                 let value = value.element_sum();
                 sum += if value > NEW * LARGEST { value * value } else { 0.0 };
             });
@@ -220,7 +220,8 @@ mod tests {
             let lights = view.scene.lights();
             let region = &LightRegion::whole(lights);
             let (max_edges, max_image_edges) = (MAX_EDGES, MAX_EDGES);
-            let path = PathTracer { view, next_event: region.next_event(), max_edges, max_image_edges, branches: 1 };
+            let path =
+                PathTracer { view, light_sampler: region.light_sampler(), max_edges, max_image_edges, branches: 1 };
             let exact = [sampled(&path), sampled(&Bidirectional { view, region, max_edges })];
             let z = |found: [[f64; 2]; 2]| [0, 1].map(|m| (found[m][0] - exact[m][0]) / found[m][1].hypot(exact[m][1]));
             let found = by_chains(&world, region);

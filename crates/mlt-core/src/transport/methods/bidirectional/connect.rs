@@ -51,8 +51,8 @@ impl ImageSampler for Bidirectional<'_> {
         self.view.camera.size()
     }
 
-    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
-        self.sample_image(image, rng, visit);
+    fn sample(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+        self.sample_image(film, rng, visit);
     }
 }
 
@@ -60,8 +60,8 @@ impl Bidirectional<'_> {
     /// Takes one sample through a point of the image and shows `visit` its parts, weighted contributions over densities.
     /// Those with a pixel cross the image there, all others at the point. Over uniform points of the image, their expected
     /// sum in a pixel is the integral of f over the paths through it.
-    pub fn sample_image(&self, image: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
-        self.with_subpaths(image, rng, |scratch, _| {
+    pub fn sample_image(&self, film: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+        self.with_subpaths(film, rng, |scratch, _| {
             let end = scratch.eye.vertices.len();
             for t in 1..=scratch.eye.len() {
                 self.start_near(scratch, t);

@@ -43,7 +43,7 @@ pub(crate) struct Scratch {
     /// Filled from the end.
     pub(crate) eye: Subpath,
     /// Where that crosses the image.
-    image: Vec2,
+    film: Vec2,
     path: LightPath,
 }
 
@@ -131,22 +131,22 @@ impl Bidirectional<'_> {
     /// its weight w_s/p_s, in which E[Σ w_s/p_s · g(x)] = ∫ g over the paths that start in the region, as far as s ≥ 1;
     /// for s = 0 over those that start anywhere.
     pub fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
-        let image = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-        self.sample_through(image, 1.0, rng, visit);
+        let film = Vec2::new(uniform_f32(rng), uniform_f32(rng));
+        self.sample_through(film, 1.0, rng, visit);
     }
 
     /// As [`sample`](Self::sample), with the camera subpath through a given point. Over uniform points of a part of the
     /// image, of which it has the share `area`, weights are those of the paths that cross the image there; stratified
     /// points do as well.
-    pub fn sample_through(&self, image: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
-        self.with_subpaths(image, rng, |scratch, _| self.connect_all(scratch, area, visit));
+    pub fn sample_through(&self, film: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
+        self.with_subpaths(film, rng, |scratch, _| self.connect_all(scratch, area, visit));
     }
 
     /// As [`sample_through`](Self::sample_through), with the camera subpath alone: its weights are right for paths that no connection
     /// makes.
-    pub fn sample_met(&self, image: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
+    pub fn sample_met(&self, film: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         SCRATCH.with_borrow_mut(|scratch| {
-            self.trace_eye(image, scratch, rng);
+            self.trace_eye(film, scratch, rng);
             for t in 2..=scratch.eye.len() {
                 if let Some(weight) = self.connect(scratch, [0, t], area) {
                     visit(&scratch.path, weight / scratch.eye.carried(t).survival);
@@ -163,8 +163,8 @@ impl Bidirectional<'_> {
         visit: &mut impl FnMut(&LightPath, f64),
     ) {
         SCRATCH.with_borrow_mut(|scratch| {
-            let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
-            self.trace_eye(image, scratch, eye);
+            let film = Vec2::new(uniform_f32(eye), uniform_f32(eye));
+            self.trace_eye(film, scratch, eye);
             self.trace_light(scratch, light);
             self.connect_all(scratch, 1.0, visit);
         });
@@ -184,11 +184,11 @@ impl Bidirectional<'_> {
     }
 
     /// Traces two subpaths, the camera's through a given point of the image, and hands them over.
-    pub(crate) fn with_subpaths<R: Rng>(&self, image: Vec2, rng: &mut R, use_them: impl FnOnce(&mut Scratch, &mut R)) {
+    pub(crate) fn with_subpaths<R: Rng>(&self, film: Vec2, rng: &mut R, use_them: impl FnOnce(&mut Scratch, &mut R)) {
         SCRATCH.with_borrow_mut(|scratch| {
             // The light subpath's first numbers come first, so that they are the same coordinates in every sample.
             self.trace_light(scratch, rng);
-            self.trace_eye(image, scratch, rng);
+            self.trace_eye(film, scratch, rng);
             use_them(scratch, rng);
         });
     }
@@ -221,8 +221,8 @@ impl Bidirectional<'_> {
         }
     }
 
-    fn trace_eye(&self, image: Vec2, scratch: &mut Scratch, rng: &mut impl Rng) {
-        scratch.image = image;
+    fn trace_eye(&self, film: Vec2, scratch: &mut Scratch, rng: &mut impl Rng) {
+        scratch.film = film;
         let eye = &mut scratch.eye;
         let camera = PathVertex::new(self.view.camera.vertex());
         eye.reset(self.max_edges + 1, camera, 1.0);
@@ -230,7 +230,7 @@ impl Bidirectional<'_> {
         eye.vertices[last] = camera;
         for i in (last - self.max_edges + 1..=last).rev() {
             let step = if i == last {
-                start_at_eye(&mut eye.vertices, i, image, &self.view, rng)
+                start_at_eye(&mut eye.vertices, i, film, &self.view, rng)
             } else {
                 step_from_eye(&mut eye.vertices, i, &self.view, rng)
             };
@@ -250,7 +250,7 @@ impl Bidirectional<'_> {
     /// Draws x_0 for the last of the camera's first t vertices, where that has a choice and may be connected.
     #[inline(always)]
     pub(crate) fn start_near(&self, scratch: &mut Scratch, t: usize) {
-        if !self.region.next_event().has_choice() {
+        if !self.region.light_sampler().has_choice() {
             return;
         }
         let x_1 = &scratch.eye.vertices[scratch.eye.vertices.len() - t].vertex;
@@ -263,12 +263,12 @@ impl Bidirectional<'_> {
     /// What a path with s vertices from the light begins with: the subpath of many vertices or that of one.
     #[inline]
     pub(crate) fn beginning<'s>(&self, s: usize, many: &'s LightSubpath, one: &'s LightSubpath) -> &'s LightSubpath {
-        if s == 1 && self.region.next_event().has_choice() { one } else { many }
+        if s == 1 && self.region.light_sampler().has_choice() { one } else { many }
     }
 
     /// Assembles the path with s light and t camera vertices; returns w_s/p_s, `None` where the contribution is zero.
     fn connect(&self, scratch: &mut Scratch, [s, t]: [usize; 2], area: f64) -> Option<f64> {
-        let Scratch { light, near, eye, image, path, .. } = scratch;
+        let Scratch { light, near, eye, film, path, .. } = scratch;
         let LightSubpath { subpath: light, point, preference } = self.beginning(s, light, near);
         let eye = &eye.vertices[eye.vertices.len() - t..];
         if s > 0 && (eye[0].vertex.delta || light.vertices[s - 1].vertex.delta) {
@@ -278,7 +278,7 @@ impl Bidirectional<'_> {
         path.vertices.extend_from_slice(&light.vertices[..s]);
         path.vertices.extend_from_slice(eye);
         path.light = *point;
-        path.cross(&self.view, *image);
+        path.cross(&self.view, *film);
         let mut ends = Ends { power: self.region.power(), preference: *preference, area };
         if s == 0 {
             path.light = self.view.scene.lights().point(eye[0].vertex.primitive, eye[0].vertex.position)?;

@@ -160,15 +160,15 @@ impl Stratum<LightPath> for LightStratum<'_> {
     /// The camera subpath passes the class's part of the image, which makes its density that of a uniform point over the
     /// part's area; a light subpath that is connected to the camera itself may cross the image anywhere.
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
-        let (image, area) = (self.image_point(rng), self.image_area());
+        let (film, area) = (self.image_point(rng), self.image_area());
         let mut show = |path: &LightPath, weight: f64| {
             if self.contains(path) {
                 visit(path, weight);
             }
         };
         match self.held {
-            Held::Met => self.sampler.sample_met(image, area, rng, &mut show),
-            _ => self.sampler.sample_through(image, area, rng, &mut show),
+            Held::Met => self.sampler.sample_met(film, area, rng, &mut show),
+            _ => self.sampler.sample_through(film, area, rng, &mut show),
         }
     }
 

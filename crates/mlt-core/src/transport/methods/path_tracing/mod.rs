@@ -26,8 +26,8 @@ impl<'a> PathTracing<'a> {
 
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
-        let (view, next_event, max_edges) = (self.view, self.lights.next_event(), self.settings.most_edges());
-        let sampler = &PathTracer { view, next_event, max_edges, max_image_edges: max_edges, branches: 1 };
+        let (view, light_sampler, max_edges) = (self.view, self.lights.light_sampler(), self.settings.most_edges());
+        let sampler = &PathTracer { view, light_sampler, max_edges, max_image_edges: max_edges, branches: 1 };
         let Settings { per_pixel: samples_per_pixel, seed, .. } = self.settings;
         run.independent(&Independent { sampler, selection: AllPaths, samples_per_pixel, seed })
     }

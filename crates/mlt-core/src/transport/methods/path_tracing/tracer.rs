@@ -10,7 +10,7 @@
 use crate::engine::{uniform, uniform_f32};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
-use crate::transport::lights::NextEvent;
+use crate::transport::lights::LightSampler;
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::{Kind, LightEnd, PathEnd};
@@ -29,7 +29,7 @@ pub struct PathTracer<'a> {
     /// Scene and camera.
     pub view: View<'a>,
     /// Draws points of the lights.
-    pub next_event: &'a NextEvent,
+    pub light_sampler: &'a LightSampler,
     /// Most edges of a path.
     pub max_edges: usize,
     /// Most edges of a path with nothing but specular surfaces between its ends; no fewer.
@@ -61,20 +61,20 @@ impl ImageSampler for PathTracer<'_> {
     }
 
     #[inline(always)]
-    fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
+    fn sample(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
         if self.view.camera.has_tiny_lights() {
             self.see_light(rng, visit);
         }
-        self.sample(image, rng, &mut |radiance, end| visit(None, radiance, end));
+        self.sample(film, rng, &mut |radiance, end| visit(None, radiance, end));
     }
 }
 
 impl PathTracer<'_> {
     /// Takes one sample through a point of the image and shows `visit` its parts, whose expected sum is the radiance.
     #[inline(always)]
-    pub fn sample(&self, image: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
+    pub fn sample(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let View { scene, camera } = self.view;
-        let ray = camera.sample(image);
+        let ray = camera.sample(film);
         let Some((vertex, passed)) = scene.follow_ray(ray.origin, ray.step, rng) else { return };
         let (lens, direction) = (ray.vertex, ray.direction());
         let pdf = camera
@@ -137,7 +137,8 @@ impl PathTracer<'_> {
             && let Some(point) = lights.point(x.primitive, x.position)
         {
             let cos = x.geometric_normal.dot(walk.to_eye).abs();
-            return emitted * power_heuristic(pdf * cos, self.next_event.density(&walk.before, number, &point) as f32);
+            return emitted
+                * power_heuristic(pdf * cos, self.light_sampler.density(&walk.before, number, &point) as f32);
         }
         emitted
     }
@@ -146,7 +147,7 @@ impl PathTracer<'_> {
     #[inline(always)]
     fn direct(&self, walk: &Walk, rng: &mut impl Rng) -> Option<(Rgb, LightPoint)> {
         let scene = self.view.scene;
-        let (point, density) = self.next_event.sample(&walk.vertex, uniform(rng), f64::from(uniform_f32(rng)));
+        let (point, density) = self.light_sampler.sample(&walk.vertex, uniform(rng), f64::from(uniform_f32(rng)));
         let (source, density) = (scene.light_point(&point).1, density as f32);
         let step = source.position - walk.vertex.position;
         let square = step.length_squared();
@@ -177,7 +178,7 @@ impl PathTracer<'_> {
     ) -> Option<()> {
         let View { scene, camera } = self.view;
         let eye = camera.vertex();
-        let (point, density) = self.next_event.sample(&eye, uniform(rng), f64::from(uniform_f32(rng)));
+        let (point, density) = self.light_sampler.sample(&eye, uniform(rng), f64::from(uniform_f32(rng)));
         let source = scene.light_point(&point).1;
         let step = source.position - eye.position;
         let square = step.length_squared();

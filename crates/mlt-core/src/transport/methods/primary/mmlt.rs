@@ -129,9 +129,9 @@ impl<I> Multiplexed<'_, I> {
         self.trace_light(s, path, first, light)?;
         for i in (s + 1..=last).rev() {
             if i == last {
-                let image = Vec2::new(uniform_f32(eye), uniform_f32(eye));
-                path.cross(&view, image);
-                start_at_eye(&mut path.vertices, i, image, &view, eye)?;
+                let film = Vec2::new(uniform_f32(eye), uniform_f32(eye));
+                path.cross(&view, film);
+                start_at_eye(&mut path.vertices, i, film, &view, eye)?;
             } else {
                 step_from_eye(&mut path.vertices, i, &view, eye)?;
             }

@@ -92,9 +92,9 @@ impl BidirectionalMutation<'_> {
         }
         for i in (joint..edit.s + edit.added).rev() {
             if path.vertices[i + 1].vertex.is_camera() {
-                let image = within.image_point(rng);
-                path.cross(&self.view, image);
-                start_at_eye(&mut path.vertices, i + 1, image, &self.view, rng)?;
+                let film = within.image_point(rng);
+                path.cross(&self.view, film);
+                start_at_eye(&mut path.vertices, i + 1, film, &self.view, rng)?;
             } else {
                 step_from_eye(&mut path.vertices, i + 1, &self.view, rng)?;
             }
@@ -234,7 +234,7 @@ impl Edit {
     /// Copies what is kept to its new place, with room between.
     fn copy_kept(&self, from: &LightPath, to: &mut LightPath) {
         to.light = from.light;
-        (to.image, to.pixel, to.pixels) = (from.image, from.pixel, from.pixels);
+        (to.film, to.pixel, to.pixels) = (from.film, from.pixel, from.pixels);
         let (near, far) = (&from.vertices[..self.s], &from.vertices[self.s + self.deleted..]);
         to.vertices.resize(self.s + self.added + self.t, from.vertices[0]);
         copy_vertices(&mut to.vertices[..self.s], near);

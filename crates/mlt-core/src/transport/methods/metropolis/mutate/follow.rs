@@ -65,9 +65,9 @@ impl ImageMove {
     ///
     /// Mirrored at a side, y is reached from x as the mirror image y* is, and |y* − x| = |y − x*|: the way back has the same density.
     #[inline]
-    fn apply(&self, image: Vec2, [low, high]: [Vec2; 2], rng: &mut impl Rng) -> Option<Vec2> {
+    fn apply(&self, film: Vec2, [low, high]: [Vec2; 2], rng: &mut impl Rng) -> Option<Vec2> {
         let (distance, towards) = self.distance.draw(rng);
-        let moved = image + distance * towards * self.pixel;
+        let moved = film + distance * towards * self.pixel;
         let inside = |p: Vec2| p.cmpge(low).all() && p.cmplt(high).all();
         if inside(moved) {
             return Some(moved);
@@ -125,11 +125,11 @@ impl<'a> FromEye<'a> {
         rng: &mut impl Rng,
     ) -> Option<f64> {
         let view = &self.view;
-        let image = self.moves.apply(current.image, within.image_corners(), rng)?;
+        let film = self.moves.apply(current.film, within.image_corners(), rng)?;
         let last = current.edges();
         proposal.keep_light_end(current, m);
-        proposal.cross(view, image);
-        start_at_eye(&mut proposal.vertices, last, image, view, rng)?;
+        proposal.cross(view, film);
+        start_at_eye(&mut proposal.vertices, last, film, view, rng)?;
         for i in (m + 1..last).rev() {
             let direction = next_direction(view, [current, proposal], i, Towards::Light, rng)?;
             follow_from_eye(&mut proposal.vertices, i, direction, view, rng)?;

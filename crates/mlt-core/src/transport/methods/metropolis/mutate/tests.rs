@@ -100,7 +100,7 @@ fn events(view: &View, path: &LightPath) -> f64 {
 
 /// Bounded functions of a path that a wrong ratio moves: cosines, lengths, and probabilities of events.
 fn features(view: &View, path: &LightPath) -> [f64; 15] {
-    let mut features = vec![f64::from(path.image.x), f64::from(path.image.y), events(view, path)];
+    let mut features = vec![f64::from(path.film.x), f64::from(path.film.y), events(view, path)];
     for i in (0..path.edges()).rev().take(4) {
         let [x, next] = [&path.vertices[i], &path.vertices[i + 1]];
         features.push(f64::from(x.vertex.geometric_normal.dot(x.to_eye).abs()));
