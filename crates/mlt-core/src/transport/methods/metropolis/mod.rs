@@ -3,7 +3,7 @@
 pub(super) mod adapt;
 mod chains;
 pub mod mutate;
-mod stratum;
+pub(super) mod stratum;
 pub(super) mod variant;
 
 use super::counts::PilotCounts;
