@@ -108,7 +108,7 @@ fn a_mutation_allocates_nothing() {
         }
         let mut chain = Chain::new(&mixture, &Luminance, stratum, start.unwrap()).unwrap();
         let mut steps = |n| (0..n).for_each(|_| chain.step(&mut Nowhere, 1.0, &mut rng));
-        assert!(allocations(|| steps(20_000)) > 0, "the count works: a chain grows its states");
+        assert!(allocations(|| steps(100_000)) > 0, "the count works: a chain grows its states");
         assert_eq!(allocations(|| steps(20_000)), 0);
     }
 }
