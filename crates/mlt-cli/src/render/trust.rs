@@ -92,7 +92,7 @@ fn worst_pixels(film: &Film<3>, size: [u32; 2]) -> Option<f64> {
 /// (Σ b_j)²/Σ_j Σ w²/m_j², m_j samples of weights w having the mean b_j.
 fn starts(strata: &[StratumStats]) -> Option<f64> {
     let b: f64 = strata.iter().map(StratumStats::b).sum();
-    let squares = |s: &StratumStats| s.weight_squares / (s.samples as f64).powi(2);
+    let squares = |s: &StratumStats| s.weight_squares.value() / (s.samples as f64).powi(2);
     let starts = b * b / strata.iter().filter(|s| s.samples > 0).map(squares).sum::<f64>();
     starts.is_finite().then_some(starts)
 }
@@ -143,8 +143,8 @@ mod tests {
     fn starts_are_samples_of_equal_weight() {
         let stratum = |n: u32, weight: f64| StratumStats {
             samples: 100,
-            weight_sum: f64::from(n) * weight,
-            weight_squares: f64::from(n) * weight * weight,
+            weight_sum: (f64::from(n) * weight).into(),
+            weight_squares: (f64::from(n) * weight * weight).into(),
             ..StratumStats::default()
         };
         let of = |strata: &[StratumStats]| starts(strata).expect("samples").round();
