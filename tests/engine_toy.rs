@@ -76,6 +76,10 @@ impl Stratum<Point> for Cell {
         visit(&Point(x), self.weight_error * (self.high - self.low) / (2.0 * t));
     }
 
+    fn density(&self, x: &Point) -> f64 {
+        2.0 * (x.0 - self.low) / (self.high - self.low).powi(2)
+    }
+
     fn power(&self) -> f64 {
         self.high - self.low
     }
@@ -225,6 +229,10 @@ impl Stratum<Point> for Everything {
 
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&Point, f64)) {
         self.0.sample(rng, visit);
+    }
+
+    fn density(&self, x: &Point) -> f64 {
+        self.0.density(x)
     }
 
     fn power(&self) -> f64 {

@@ -178,6 +178,23 @@ fn bars_are_doubted_where_few_rounds_met_the_light_and_nowhere_else() {
     }
 }
 
+#[test]
+fn b_is_a_lower_bound_where_samples_hardly_find_the_way_and_nowhere_else() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let bounded = |scene: &str, seed: u32| {
+        let folder = folder();
+        let line = format!(
+            "render {} --method mmlt --mutations-per-pixel 128 --size 24x24 --seed {seed} --threads 2 -q -o a.exr",
+            scenes.join(scene).display()
+        );
+        let output = mlt(folder.path(), &line);
+        assert!(output.status.success(), "{}", said(&output));
+        said(&output).contains("b is a lower bound")
+    };
+    assert!((1..4).all(|seed| bounded("door-ajar/door-ajar.gltf", seed)));
+    assert!((1..4).all(|seed| !bounded("stability/plain/scene.gltf", seed)));
+}
+
 #[cfg(unix)]
 #[test]
 fn one_file_under_two_names_is_refused() {

@@ -12,4 +12,5 @@ mod obj;
 mod opacity;
 mod paths;
 mod sampler;
+mod strata;
 mod support;

@@ -68,6 +68,10 @@ impl Stratum<Point> for Cell {
         visit(&self.draw(rng), self.high - self.low);
     }
 
+    fn density(&self, _: &Point) -> f64 {
+        1.0 / (self.high - self.low)
+    }
+
     fn power(&self) -> f64 {
         self.high - self.low
     }

@@ -121,6 +121,10 @@ impl Stratum<Numbers> for LampCell {
         visit(&self.draw(rng), self.power());
     }
 
+    fn density(&self, _: &Numbers) -> f64 {
+        f64::from(GRID * GRID)
+    }
+
     fn power(&self) -> f64 {
         1.0 / f64::from(GRID * GRID)
     }

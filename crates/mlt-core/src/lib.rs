@@ -58,6 +58,9 @@
 //!     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&X, f64)) {
 //!         visit(&X(self.low + 0.5 * uniform(rng)), 0.5); // uniform in the half: 1/p = ½
 //!     }
+//!     fn density(&self, _: &X) -> f64 {
+//!         2.0
+//!     }
 //!     fn power(&self) -> f64 {
 //!         1.0
 //!     }

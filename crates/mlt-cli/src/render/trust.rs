@@ -18,8 +18,10 @@ const MOST_OF_WORST: f64 = 0.7;
 const MOST_OF_ROUND: f64 = 1.0 / 3.0;
 /// Fewest independent samples of equal weight that chains should start from.
 const LEAST_STARTS: f64 = 50.0;
+/// Share of the image's light that samples may have missed, where the error of b does not tell, before b is called a lower bound.
+const MOST_UNMET: f64 = 0.02;
 /// The remedy, in words.
-const REMEDY: &str = "some paths are met by few rounds; take more, or another method";
+const REMEDY: &str = "render longer, or by another method";
 
 /// Figures that tell whether the bars of an image can be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -31,41 +33,53 @@ pub struct Trust {
     pub largest_round: Option<f64>,
     /// Independent samples of equal weight that chains start from; `None` without chains.
     pub starts: Option<f64>,
+    /// Share of the image's light that chains found on paths which all independent samples were to meet fewer than ten times; `None`
+    /// without chains.
+    pub unmet_light: Option<f64>,
+    /// Standard error of b over b; `None` where it is not known.
+    pub b_error: Option<f64>,
 }
 
 impl Trust {
     /// Of a render.
     pub fn new(film: &Film<3>, counts: &Counts, blocks: &Blocks, size: [u32; 2]) -> Self {
-        let enough = film.rounds() >= TRUSTED_ROUNDS;
+        let (enough, b) = (film.rounds() >= TRUSTED_ROUNDS, mean_luminance(film));
         Self {
             worst_pixels: enough.then(|| worst_pixels(film, size)).flatten(),
             largest_round: enough.then(|| blocks.largest_round()).flatten(),
             starts: starts(&counts.chains.strata),
+            unmet_light: unmet_light(counts, b.mean),
+            b_error: Some(b.stderr / b.mean).filter(|error| error.is_finite()),
         }
     }
 
-    /// Why the bars are not to be trusted.
+    /// Why the bars are not to be trusted, and why b is a lower bound.
     pub fn doubts(&self) -> Vec<String> {
-        let doubt = |figure: Option<f64>, doubtful: bool, reason: &dyn Fn(f64) -> String| {
-            figure
-                .filter(|_| doubtful)
-                .map(|figure| format!("the error bars cannot be trusted: {}; {REMEDY}", reason(figure)))
-        };
-        let Self { worst_pixels, largest_round, starts } = *self;
-        [
-            doubt(worst_pixels, worst_pixels > Some(MOST_OF_WORST), &|share| {
-                format!("one pixel in a hundred holds {:.0} % of the error", 100.0 * share)
-            }),
-            doubt(largest_round, largest_round > Some(MOST_OF_ROUND), &|share| {
-                format!("one round brought {:.0} % of the light in a part of the image", 100.0 * share)
-            }),
-            doubt(starts, starts < Some(LEAST_STARTS), &|starts| {
-                format!("the chains start from what {starts:.0} independent samples are worth")
-            }),
+        let Self { worst_pixels, largest_round, starts, unmet_light, b_error } = *self;
+        let above =
+            |figure: Option<f64>, most: f64| figure.filter(|&figure| figure > most).map(|figure| 100.0 * figure);
+        let reasons: Vec<String> = [
+            above(worst_pixels, MOST_OF_WORST)
+                .map(|share| format!("one pixel in a hundred holds {share:.0} % of the error")),
+            above(largest_round, MOST_OF_ROUND)
+                .map(|share| format!("one round brought {share:.0} % of the light in a part of the image")),
+            starts
+                .filter(|&starts| starts < LEAST_STARTS)
+                .map(|starts| format!("the chains start from what {starts:.0} independent samples are worth")),
         ]
         .into_iter()
         .flatten()
-        .collect()
+        .collect();
+        let bars = (!reasons.is_empty())
+            .then(|| format!("the error bars cannot be trusted: {}; {REMEDY}", reasons.join(", and ")));
+        let told = b_error.unwrap_or(f64::INFINITY);
+        let b = above(unmet_light, MOST_UNMET.max(told)).map(|share| {
+            format!(
+                "b is a lower bound, and the image may be too dark: {share:.0} % of the light comes by paths that the samples at which \
+                 chains start were to find fewer than ten times; {REMEDY}"
+            )
+        });
+        bars.into_iter().chain(b).collect()
     }
 }
 
@@ -89,6 +103,15 @@ fn worst_pixels(film: &Film<3>, size: [u32; 2]) -> Option<f64> {
     share.is_finite().then_some(share)
 }
 
+/// Σ_j b_j u_j over all light, u_j being the share of a stratum that samples were to meet fewer than ten times. Without samples of the
+/// image all light is that of the chains; with them it is `b`, and chains sample luminance.
+fn unmet_light(counts: &Counts, b: f64) -> Option<f64> {
+    let sum = |value: fn(&StratumStats) -> f64| counts.chains.strata.iter().map(value).sum::<f64>();
+    let chains = sum(StratumStats::b);
+    let all = if counts.samples == 0 { chains } else { chains.max(b) };
+    (all > 0.0 && counts.steps() > 0).then(|| sum(|s| s.b() * s.rarity.unmet(s.weight_sum.value())) / all)
+}
+
 /// (Σ b_j)²/Σ_j Σ w²/m_j², m_j samples of weights w having the mean b_j.
 fn starts(strata: &[StratumStats]) -> Option<f64> {
     let b: f64 = strata.iter().map(StratumStats::b).sum();
@@ -99,11 +122,21 @@ fn starts(strata: &[StratumStats]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use mlt_core::engine::{Sink, Splat};
+    use mlt_core::engine::{Sink, Splat, Tally};
 
     use super::*;
 
     const SIDE: u32 = 20;
+
+    /// A hundred samples, `n` of which have this weight and all others 0.
+    fn stratum(n: u32, weight: f64) -> StratumStats {
+        StratumStats {
+            samples: 100,
+            weight_sum: (f64::from(n) * weight).into(),
+            weight_squares: (f64::from(n) * weight * weight).into(),
+            ..StratumStats::default()
+        }
+    }
 
     /// Eight rounds of a square image with `value(column, row, round)` in all channels.
     fn film(value: impl Fn(u32, u32, u32) -> f64) -> Film<3> {
@@ -140,13 +173,20 @@ mod tests {
     }
 
     #[test]
+    fn unmet_light_is_a_share_of_all_light() {
+        // Half of a stratum's energy is worth 1/8 to a sample, half 256: the 40 samples of weight 2 meet that 0.16 times.
+        let mut chains = stratum(40, 2.0);
+        (0..8).for_each(|i| chains.rarity.add([0.125, 256.0][i % 2], 1.0, 1.0));
+        let chains = Tally { strata: vec![StratumStats { idle: 1, ..chains }, stratum(40, 2.0)], ..Tally::default() };
+        let mut counts = Counts { chains, ..Counts::default() };
+        assert_eq!(unmet_light(&counts, 8.0), Some(0.25));
+        counts.samples = 1;
+        assert_eq!(unmet_light(&counts, 8.0), Some(0.05));
+        assert_eq!(unmet_light(&Counts::default(), 8.0), None);
+    }
+
+    #[test]
     fn starts_are_samples_of_equal_weight() {
-        let stratum = |n: u32, weight: f64| StratumStats {
-            samples: 100,
-            weight_sum: (f64::from(n) * weight).into(),
-            weight_squares: (f64::from(n) * weight * weight).into(),
-            ..StratumStats::default()
-        };
         let of = |strata: &[StratumStats]| starts(strata).expect("samples").round();
         assert_eq!(of(&[stratum(40, 2.0)]), 40.0);
         assert_eq!(of(&[stratum(40, 2.0), stratum(40, 2.0)]), 80.0);
@@ -157,12 +197,26 @@ mod tests {
 
     #[test]
     fn doubts_name_their_figures() {
-        let sound = Trust { worst_pixels: Some(0.3), largest_round: Some(0.2), starts: Some(900.0) };
+        let sound = Trust {
+            worst_pixels: Some(0.3),
+            largest_round: Some(0.2),
+            starts: Some(900.0),
+            unmet_light: Some(0.01),
+            b_error: Some(0.001),
+        };
         assert!(sound.doubts().is_empty() && Trust::default().doubts().is_empty());
-        let doubts = Trust { worst_pixels: Some(0.93), largest_round: Some(0.5), starts: Some(12.0) }.doubts();
-        assert_eq!(doubts.len(), 3);
-        for (doubt, figure) in doubts.iter().zip(["93 %", "50 %", "what 12 independent samples"]) {
-            assert!(doubt.contains(figure), "{doubt}");
+        // What the error of b tells is no news.
+        assert!(Trust { unmet_light: Some(0.05), b_error: Some(0.06), ..sound }.doubts().is_empty());
+        let doubts = Trust {
+            worst_pixels: Some(0.93),
+            largest_round: Some(0.5),
+            starts: Some(12.0),
+            unmet_light: Some(0.34),
+            b_error: Some(0.06),
         }
+        .doubts();
+        let [bars, b] = &doubts[..] else { panic!("{doubts:?}") };
+        assert!(["93 %", "50 %", "what 12 independent samples"].iter().all(|figure| bars.contains(figure)), "{bars}");
+        assert!(b.starts_with("b is a lower bound") && b.contains("34 % of the light"), "{b}");
     }
 }

@@ -270,6 +270,7 @@ mod tests {
             strata: Vec::new(),
             longest_rejection: 0,
             warnings: Vec::new(),
+            doubted: false,
         };
         let method = (0..REPLICAS).map(|_| replica(image())).collect();
         let reference = (0..REPLICAS).map(|_| image()).collect();

@@ -25,8 +25,11 @@ pub struct Errors {
     pub median: f64,
     /// Its largest over its median.
     pub worst: f64,
-    /// Share of the nominal 95 % intervals that hold the truth; `None` where renders report no errors.
+    /// Share of the nominal 95 % intervals that hold the truth, over the replicas that do not doubt them; `None` where all do or report
+    /// none.
     pub coverage: Option<f64>,
+    /// Replicas that say themselves that their intervals cannot be trusted.
+    pub doubted: usize,
     /// Root of the mean squared relative error by deciles of the truth's luminance, from dark to bright.
     pub deciles: Vec<f64>,
     /// relMSE between the first two seeds.
@@ -50,6 +53,7 @@ pub fn errors(evidence: &Evidence) -> Errors {
         median,
         worst: of_replicas.iter().copied().fold(0.0, f64::max) / median,
         coverage: coverage(evidence, &truth, level),
+        doubted: evidence.method.iter().filter(|replica| replica.doubted).count(),
         deciles: deciles(evidence, &truth),
         flicker: rel_mse(first.iter().copied(), second, level),
         moved: None,
@@ -62,12 +66,12 @@ pub fn rel_mse(a: impl Iterator<Item = f64>, b: &[f64], level: f64) -> f64 {
     mean_of(a.zip(b).map(|(a, b)| (a - b).powi(2) / (a * a + epsilon)))
 }
 
-/// Share of the intervals b ± 1.96·√(stderr² + truth's variance) that hold a, over the pixels that are lit. Errors are those of
+/// Share of the intervals b ± 1.96·√(stderr² + truth's variance) that hold a, over the pixels that are lit, of replicas that do not doubt it. Errors are those of
 /// several pixels together, so that few rounds do not make them uncertain: see
 /// [`standard_errors`](mlt_core::transport::image::standard_errors).
 fn coverage(evidence: &Evidence, truth: &[(f64, f64)], level: f64) -> Option<f64> {
     let (mut held, mut all) = (0u64, 0u64);
-    for replica in &evidence.method {
+    for replica in evidence.method.iter().filter(|replica| !replica.doubted) {
         let pixels = replica.pixels.iter().zip(&replica.stderr).zip(truth);
         for ((b, stderr), (a, variance)) in pixels.filter(|(_, truth)| truth.0 > DARK * level) {
             held += u64::from((a - b).abs() <= NORMAL * (stderr * stderr + variance).sqrt());

@@ -28,6 +28,8 @@ pub struct Replica {
     pub longest_rejection: u64,
     /// What the render warned of.
     pub warnings: Vec<String>,
+    /// Whether it says itself that its error bars cannot be trusted.
+    pub doubted: bool,
 }
 
 impl Replica {
@@ -48,6 +50,7 @@ impl Replica {
             strata,
             longest_rejection,
             warnings: report.warnings,
+            doubted: !report.trust.doubts().is_empty(),
         }
     }
 }

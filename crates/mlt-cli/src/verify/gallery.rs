@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Court,
+    errors::Errors,
     verdict::{Status, Verdict},
 };
 use crate::{
@@ -164,10 +165,16 @@ fn cell(verdict: &Verdict) -> String {
     }
 }
 
+fn bars(Errors { coverage, doubted, .. }: &Errors) -> String {
+    let coverage = coverage.map_or_else(|| "–".into(), |coverage| format!("{:.1} %", 100.0 * coverage));
+    if *doubted > 0 { format!("{coverage} ({doubted})") } else { coverage }
+}
+
 /// The figures behind the words.
 fn figures(verdicts: &[Verdict]) -> String {
     let mut text = "\n## Figures\n\np: of so large a difference from the reference, corrected. Visible: error of the image, and of \
-                    a region, seen in 4 of 5 studies. Bars: share of 95 %\nerror bars that hold the truth. relMSE: median over seeds, and the worst over it. R̂: \
+                    a region, seen in 4 of 5 studies. Bars: share of 95 %\nerror bars that hold the truth, and in brackets the seeds that say themselves that theirs cannot be trusted, which are \
+                    left out. relMSE: median over seeds, and the worst over it. R̂: \
                     of rounds in the worst block.\nStuck: longest run of rejections. Flicker: lights moved by a millionth, over \
                     another seed.\n\n\
                     | scene | method | by | p | image | visible | bars | relMSE | worst | R̂ | stuck | flicker |\n\
@@ -188,7 +195,7 @@ fn figures(verdicts: &[Verdict]) -> String {
             100.0 * bias.image_stderr,
             100.0 * bias.visible,
             100.0 * bias.visible_in_regions,
-            optional(errors.coverage.map(|coverage| format!("{:.1} %", 100.0 * coverage))),
+            bars(errors),
             errors.median,
             errors.worst,
             optional(chains.r_hat.map(|r_hat| format!("{r_hat:.3}"))),

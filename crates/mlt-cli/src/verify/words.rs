@@ -85,6 +85,12 @@ fn error_lines(errors: &Errors) -> Vec<String> {
     if let Some(coverage) = errors.coverage {
         lines.push(format!("  95 % error bars   hold the truth in {:.1} % of pixels", percent(coverage)));
     }
+    if errors.doubted > 0 {
+        lines.push(format!(
+            "  doubted           by {} renders, which say themselves that their error bars cannot be trusted",
+            errors.doubted
+        ));
+    }
     let deciles: Vec<String> = errors.deciles.iter().map(|error| format!("{:.1}", percent(*error))).collect();
     lines.push(format!("  error by decile   {} %, from dark to bright", deciles.join(", ")));
     let moved =

@@ -168,6 +168,10 @@ mod tests {
             visit(&X(self.low + 0.5 * uniform(rng)), 0.5);
         }
 
+        fn density(&self, _: &X) -> f64 {
+            2.0
+        }
+
         fn power(&self) -> f64 {
             1.0
         }

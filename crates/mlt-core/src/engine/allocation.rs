@@ -125,6 +125,9 @@ mod tests {
                 true
             }
             fn sample(&self, _: &mut impl rand_pcg::rand_core::Rng, _: &mut impl FnMut(&(), f64)) {}
+            fn density(&self, _: &()) -> f64 {
+                1.0
+            }
             fn power(&self) -> f64 {
                 self.0
             }

@@ -113,9 +113,12 @@ where
         self.pending = 0.0;
     }
 
-    /// Ends a half of the chain: [`HalfChains`](super::HalfChains) compares it with all others.
-    pub fn end_half(&mut self) {
+    /// Ends a half of the chain, in a round of b̂ = `b`: [`HalfChains`](super::HalfChains) compares it with all others, and
+    /// [`Rarity`](super::Rarity) takes in its last state.
+    pub fn end_half(&mut self, b: f64) {
         self.half.close(&mut self.stats.halves);
+        let State { path, importance, .. } = &*self.current;
+        self.stats.rarity.add(*importance, self.stratum.density(path), b);
     }
 
     /// Counts so far.
@@ -238,6 +241,9 @@ mod tests {
             }
             fn sample(&self, _: &mut impl Rng, visit: &mut impl FnMut(&Here, f64)) {
                 visit(&Here, 1.0);
+            }
+            fn density(&self, _: &Here) -> f64 {
+                1.0
             }
             fn power(&self) -> f64 {
                 1.0

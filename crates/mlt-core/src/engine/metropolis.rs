@@ -212,14 +212,15 @@ where
         let key = self.key(prepared.round, stratum, start);
         let (first, weight) = key.pick(within, self.importance, &mut stream(Purpose::Start));
         let chain = first.and_then(|x| Chain::new(self.mixture, self.importance, within, x));
-        let scale = bootstrap.b() / share.mutations as f64;
+        let b = bootstrap.b();
+        let scale = b / share.mutations as f64;
         let mut rng: Generator = stream(Purpose::Chain);
         let mut stats = StratumStats::default();
         match chain {
             Some(mut chain) => {
                 for half in [mutations / 2, mutations.div_ceil(2)] {
                     (0..half).for_each(|_| chain.step(deposits, scale, &mut rng));
-                    chain.end_half();
+                    chain.end_half(b);
                 }
                 chain.flush(deposits, scale);
                 let is_due = self.is_looked_at(prepared.round, stratum, index);

@@ -278,6 +278,10 @@ mod tests {
             visit(&Point(0.25 * (f64::from(self.index) + uniform(rng))), 0.25 * self.exaggerated);
         }
 
+        fn density(&self, _: &Point) -> f64 {
+            4.0
+        }
+
         fn power(&self) -> f64 {
             self.power
         }

@@ -1,7 +1,7 @@
 //! What chains count.
 
 use super::bytes::{put, put_list};
-use super::{Coverage, DecodeError, ExactSum, HalfChains, Reader};
+use super::{Coverage, DecodeError, ExactSum, HalfChains, Rarity, Reader};
 
 /// Outcomes of one mutation's proposals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,6 +68,8 @@ pub struct StratumStats {
     pub coverage: Coverage,
     /// Whether the chains agree.
     pub halves: HalfChains,
+    /// How often samples meet what the chains visit.
+    pub rarity: Rarity,
     /// Work of the chains, in the unit of [`Metropolis::work`](super::Metropolis::counting).
     pub chain_work: u64,
     /// Work of the independent samples, in the same unit.
@@ -120,6 +122,7 @@ impl StratumStats {
         self.changed_starts += other.changed_starts;
         self.coverage.merge(&other.coverage);
         self.halves.merge(&other.halves);
+        self.rarity.merge(&other.rarity);
         self.chain_work += other.chain_work;
         self.sample_work += other.sample_work;
     }
@@ -148,6 +151,7 @@ impl StratumStats {
         [self.chain_work, self.sample_work].into_iter().for_each(|work| put(to, work));
         [&self.weight_sum, &self.weight_squares].into_iter().for_each(|sum| sum.write(to));
         self.halves.write(to);
+        self.rarity.write(to);
         put_list(to, &self.mutations, |to, m| {
             [m.accepted, m.rejected, m.failed, m.non_finite, m.longest_rejection].into_iter().for_each(|x| put(to, x));
         });
@@ -161,6 +165,7 @@ impl StratumStats {
         (stats.chain_work, stats.sample_work) = (from.number()?, from.number()?);
         (stats.weight_sum, stats.weight_squares) = (ExactSum::read(from)?, ExactSum::read(from)?);
         stats.halves = HalfChains::read(from)?;
+        stats.rarity = Rarity::read(from)?;
         stats.mutations = from.list(|from| {
             let [accepted, rejected] = [from.number()?, from.number()?];
             let [failed, non_finite, longest_rejection] = [from.number()?, from.number()?, from.number()?];

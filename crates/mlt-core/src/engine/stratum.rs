@@ -17,6 +17,10 @@ pub trait Stratum<P> {
     /// E[Σ w/p · g(x)] = ∫_{Ω_j} g for every g; states outside Ω_j are not shown.
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&P, f64));
 
+    /// Expected number of times that one sample shows x, relative to the measure of the weights' densities: Σ_s p_s(x) over the ways
+    /// s in which it can. What ends samples early may be left out. It tells how rare states are, and is in no estimate.
+    fn density(&self, path: &P) -> f64;
+
     /// First estimate of b_j, up to a factor common to all strata.
     fn power(&self) -> f64;
 }

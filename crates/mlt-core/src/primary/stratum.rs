@@ -30,6 +30,10 @@ impl<T: Tracer<STREAMS>, const STREAMS: usize> Stratum<PrimaryPath<T::Output, ST
         }
     }
 
+    fn density(&self, _path: &PrimaryPath<T::Output, STREAMS>) -> f64 {
+        1.0
+    }
+
     fn power(&self) -> f64 {
         self.power
     }

@@ -74,14 +74,20 @@ impl Accel {
     ///
     /// The test rounds: from an origin on a triangle its t can come out as a tiny positive number instead of zero.
     /// None, too, for a ray with a zero or non-finite direction, or an origin that is not finite or beyond ±10¹⁸.
-    #[inline]
+    #[inline(always)]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        traverse::closest(self.instructions, &self.tree, ray)
+        match self.tree.has_coarse {
+            false => traverse::closest::<false>(self.instructions, &self.tree, ray),
+            true => traverse::closest::<true>(self.instructions, &self.tree, ray),
+        }
     }
 
     /// Whether anything lies in 0 < t ≤ t_max; the same answer as `closest(ray).is_some()`, sooner.
-    #[inline]
+    #[inline(always)]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        traverse::occluded(self.instructions, &self.tree, ray)
+        match self.tree.has_coarse {
+            false => traverse::occluded::<false>(self.instructions, &self.tree, ray),
+            true => traverse::occluded::<true>(self.instructions, &self.tree, ray),
+        }
     }
 }

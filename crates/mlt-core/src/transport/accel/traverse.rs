@@ -4,7 +4,7 @@
 //! for every box that the ray meets: its distance, with the lane in the last bits. The next box is the one with the least
 //! key, found without a branch; one that lies beyond a hit ends the level. It is found before the box ahead of it is visited,
 //! so that its memory can be asked for early where the tree is large. The any-hit query takes boxes as they come and stops
-//! at the first hit.
+//! at the first hit. Trees without coarse triangles are walked by code that knows of none.
 //!
 //! **No box is missed.** Let ε = 2⁻²⁴ and M the largest absolute coordinate of the scene and the ray's origin. The
 //! triangle test sees vertices displaced by at most 10 εM, and the box test's numerators are off by at most 4 εM, so every
@@ -62,18 +62,20 @@ impl From<Segment> for Ray {
     }
 }
 
-/// One query, compiled for an instruction set. Rays travel in seven registers: through memory, what is written one number at
-/// a time and read several at once has to be waited for.
+/// One query, compiled for an instruction set and for trees that do or do not have coarse triangles. Rays travel in seven
+/// registers: through memory, what is written one number at a time and read several at once has to be waited for.
 macro_rules! query {
     ($query:ident -> $answer:ty, $walk:ident, $scaled:ident, $portable:ident, $avx2:ident) => {
         #[inline(always)]
-        pub fn $query(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> $answer {
+        pub fn $query<const COARSE: bool>(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> $answer {
             let Ray { origin: o, direction: d, t_max } = *ray;
             match instructions {
-                InstructionSet::Portable(simd) => $portable(simd, tree, o.x, o.y, o.z, d.x, d.y, d.z, t_max),
+                InstructionSet::Portable(simd) => $portable::<COARSE>(simd, tree, o.x, o.y, o.z, d.x, d.y, d.z, t_max),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a value of `Avx2` exists only where the processor has all the features that are enabled.
-                InstructionSet::Avx2(simd) => unsafe { $avx2(simd, tree, o.x, o.y, o.z, d.x, d.y, d.z, t_max) },
+                InstructionSet::Avx2(simd) => unsafe {
+                    $avx2::<COARSE>(simd, tree, o.x, o.y, o.z, d.x, d.y, d.z, t_max)
+                },
             }
         }
 
@@ -88,13 +90,17 @@ macro_rules! query {
     (fn $name:ident($set:ty) -> $answer:ty, $walk:ident, $scaled:ident, $(#[$attribute:meta])*) => {
         $(#[$attribute])*
         #[allow(clippy::too_many_arguments)]
-        fn $name(
+        fn $name<const COARSE: bool>(
             simd: $set, tree: &WideTree, ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, t_max: f32,
         ) -> $answer {
             let ray = Segment { origin: Vec3A::new(ox, oy, oz), direction: Vec3A::new(dx, dy, dz), t_max };
             // What is infinitely far is not hit.
             let finite = Segment { t_max: t_max.min(f32::MAX), ..ray };
-            if ray.is_sound() { $walk(simd, tree, &finite) } else { $scaled(simd, tree, &ray) }
+            if ray.is_sound() {
+                $walk::<_, COARSE>(simd, tree, &finite)
+            } else {
+                $scaled::<_, COARSE>(simd, tree, &ray)
+            }
         }
     };
 }
@@ -103,15 +109,15 @@ query!(closest -> Option<Hit>, nearest_hit, nearest_hit_scaled, closest_portable
 query!(occluded -> bool, any_hit, any_hit_scaled, occluded_portable, occluded_avx2);
 
 #[cold]
-fn nearest_hit_scaled<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> {
+fn nearest_hit_scaled<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> {
     let (ray, unit) = ray.scaled()?;
-    let hit = closest(simd.set(), tree, &ray.into())?;
+    let hit = closest::<COARSE>(simd.set(), tree, &ray.into())?;
     Some(Hit { t: (f64::from(hit.t) * unit) as f32, ..hit })
 }
 
 #[cold]
-fn any_hit_scaled<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
-    ray.scaled().is_some_and(|(ray, _)| occluded(simd.set(), tree, &ray.into()))
+fn any_hit_scaled<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
+    ray.scaled().is_some_and(|(ray, _)| occluded::<COARSE>(simd.set(), tree, &ray.into()))
 }
 
 /// Boxes of a node that are still to be visited.
@@ -137,7 +143,7 @@ impl<'a, K: Copy> Level<'a, K> {
 }
 
 #[inline(always)]
-fn nearest_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> {
+fn nearest_hit<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> {
     let boxes = BoxTest::new(simd, ray, tree.max_coordinate);
     let shear = Shear::new(simd, ray.origin, ray.direction);
     let mut nearest = Nearest::none(ray.t_max);
@@ -163,7 +169,7 @@ fn nearest_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> 
         if child.is_leaf() {
             for index in child.blocks() {
                 let block = &tree.blocks[index];
-                let found = match child.is_coarse() {
+                let found = match COARSE && child.is_coarse() {
                     true => shear.test_coarse(simd, block, *ray, nearest.t),
                     false => shear.test(simd, block, [0.0, nearest.t]),
                 };
@@ -193,7 +199,7 @@ impl WideTree {
 }
 
 #[inline(always)]
-fn any_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
+fn any_hit<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
     let boxes = BoxTest::new(simd, ray, tree.max_coordinate);
     let shear = Shear::new(simd, ray.origin, ray.direction);
     let mut stack = Stack::new(tree.depth);
@@ -211,7 +217,7 @@ fn any_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
         let child = node.children[lane];
         if child.is_leaf() {
             for block in &tree.blocks[child.blocks()] {
-                let found = match child.is_coarse() {
+                let found = match COARSE && child.is_coarse() {
                     true => shear.test_coarse(simd, block, *ray, ray.t_max).is_some(),
                     false => shear.test(simd, block, [0.0, ray.t_max]).is_some(),
                 };

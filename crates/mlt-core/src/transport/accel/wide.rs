@@ -124,6 +124,8 @@ pub struct WideTree {
     pub depth: usize,
     /// Largest absolute coordinate of any box, for the error bound of the box test.
     pub max_coordinate: f32,
+    /// Whether any leaf is coarse.
+    pub has_coarse: bool,
     /// Whether it is larger than the caches of one core, so that it pays to ask for memory ahead of its use.
     pub is_large: bool,
 }
@@ -134,7 +136,8 @@ const CACHED: usize = 2 << 20;
 impl WideTree {
     /// A tree of these parts.
     pub fn new(nodes: Vec<Node>, blocks: Vec<TriangleBlock>, depth: usize, max_coordinate: f32) -> Self {
+        let has_coarse = nodes.iter().flat_map(|node| &node.children).any(|child| child.is_leaf() && child.is_coarse());
         let is_large = size_of_val(&nodes[..]) + size_of_val(&blocks[..]) > CACHED;
-        Self { nodes, blocks, depth, max_coordinate, is_large }
+        Self { nodes, blocks, depth, max_coordinate, has_coarse, is_large }
     }
 }

@@ -144,19 +144,20 @@ impl Bsdf {
     pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
         match self {
             Self::Lambert(b) => b.evaluate(n, to_light, to_eye),
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => {
-                self.evaluate_delta(n, to_light, to_eye)
-            }
-            _ => self.evaluate_rough(n, to_light, to_eye),
+            _ => self.evaluate_apart(n, to_light, to_eye),
         }
     }
 
+    /// Of what is not diffuse.
     #[inline(never)]
-    fn evaluate_delta(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
-        Evaluation {
-            value: self.eval(n, to_light, to_eye),
-            pdf_to_eye: self.pdf(n, to_light, to_eye),
-            pdf_to_light: self.pdf(n, to_eye, to_light),
+    fn evaluate_apart(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+        match self {
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => Evaluation {
+                value: self.eval(n, to_light, to_eye),
+                pdf_to_eye: self.pdf(n, to_light, to_eye),
+                pdf_to_light: self.pdf(n, to_eye, to_light),
+            },
+            _ => self.evaluate_rough(n, to_light, to_eye),
         }
     }
 

@@ -173,8 +173,15 @@ impl NextEvent {
     }
 
     /// A point for `vertex` from two uniform numbers, and its density per area.
-    #[inline]
-    pub fn sample(&self, vertex: &Vertex, mut u: f64, v: f64) -> (LightPoint, f64) {
+    #[inline(always)]
+    pub fn sample(&self, vertex: &Vertex, u: f64, v: f64) -> (LightPoint, f64) {
+        let (place, probability, u) = if self.has_choice() { self.choose(vertex, u) } else { (0, 1.0, u) };
+        let leaf = &self.leaves[place];
+        (leaf.point(u, v), probability / leaf.area)
+    }
+
+    /// The place of a leaf for `vertex`, drawn by a uniform number, its probability, and another uniform number.
+    fn choose(&self, vertex: &Vertex, mut u: f64) -> (usize, f64, f64) {
         let (place, probability) = self.descend(vertex, |_, probabilities| {
             let mut below = 0.0;
             let probabilities = probabilities.to_array();
@@ -188,8 +195,7 @@ impl NextEvent {
             }
             last
         });
-        let leaf = &self.leaves[place];
-        (leaf.point(u, v), probability / leaf.area)
+        (place, probability, u)
     }
 
     /// The density with which [`sample`](Self::sample) draws a point, per area, given also its light and the number of its

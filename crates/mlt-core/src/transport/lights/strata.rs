@@ -28,6 +28,8 @@ const MOST_STRATA: f64 = 65_536.0;
 #[derive(Clone, Debug)]
 pub struct LightStrata {
     regions: Vec<LightRegion>,
+    /// All parts as one.
+    whole: LightRegion,
     grids: Vec<Grid>,
     /// The part of each cell of the grids.
     table: Vec<u32>,
@@ -88,6 +90,11 @@ impl LightStrata {
         &self.regions
     }
 
+    /// All parts as one.
+    pub fn whole(&self) -> &LightRegion {
+        &self.whole
+    }
+
     /// The part that a point lies in, in constant time.
     #[inline]
     pub fn index(&self, point: &LightPoint) -> u32 {
@@ -114,8 +121,12 @@ impl LightStrata {
         for (j, cell) in (0..).zip(&parts).flat_map(|(j, cells)| cells.iter().map(move |cell| (j, cell))) {
             grids[cell.light as usize].fill(&mut table, cell, j);
         }
-        let regions = parts.into_iter().map(|cells| LightRegion::new(lights, cells)).collect();
-        Self { regions, grids, table }
+        let regions: Vec<_> = parts.into_iter().map(|cells| LightRegion::new(lights, cells)).collect();
+        let whole = match &regions[..] {
+            [whole] => whole.clone(),
+            _ => LightRegion::whole(lights),
+        };
+        Self { regions, whole, grids, table }
     }
 }
 

@@ -7,6 +7,7 @@
 //! first round.
 
 use crate::engine::{LEAST_SAMPLES, MUTATIONS_A_SAMPLE, Share, Stratum, shares_by_power, with_shares};
+use crate::transport::methods::metropolis::LightStratum;
 use crate::transport::scene::View;
 
 /// The independent samples of a method.
@@ -82,6 +83,17 @@ pub(crate) fn fitted_shares<P, S: Stratum<P>>(
 /// Strata with the shares that were made for them.
 pub(crate) fn paired<S>(strata: Vec<S>, shares: &[Share]) -> Vec<(S, Share)> {
     with_shares(strata, shares).expect("a plan has a share for each of its strata")
+}
+
+/// Shares in which what is met by chance has as many samples as all other strata: as many as it would have if nothing were cut.
+pub(crate) fn with_met(strata: &[LightStratum], mut shares: Vec<Share>) -> Vec<Share> {
+    let met = strata.iter().filter(|stratum| stratum.is_met()).count() as u64;
+    let others = |(stratum, share): (&LightStratum, &Share)| if stratum.is_met() { 0 } else { share.samples };
+    let samples = strata.iter().zip(&shares).map(others).sum::<u64>();
+    for (_, share) in strata.iter().zip(&mut shares).filter(|(stratum, _)| stratum.is_met()) {
+        share.samples = share.samples.max(samples / met);
+    }
+    shares
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! What decides the bits of a render.
 
 use super::metropolis::adapt::Adaptation;
-use super::metropolis::mutate::Perturbations;
-use super::metropolis::stratum::Variant;
+use super::metropolis::mutate::perturbations::Perturbations;
+use super::metropolis::variant::Variant;
 use crate::transport::image::Target;
 use crate::transport::lights::Stratification;
 use crate::transport::paths::Classes;

@@ -70,6 +70,18 @@ pub(crate) fn density(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
     ends.preference(s) * from_light * from_eye
 }
 
+/// Whether nothing but a camera subpath that meets the light by chance makes a path: no two neighbours may be connected.
+#[inline]
+pub(crate) fn met_by_chance(vertices: &[PathVertex]) -> bool {
+    (1..vertices.len()).all(|s| !connectible(vertices, s))
+}
+
+/// p_s/g of all techniques; 0 where the path cannot be connected.
+pub(crate) fn densities(vertices: &[PathVertex], ends: Ends) -> impl Iterator<Item = f64> + Clone {
+    let of = move |s| if connectible(vertices, s) { density(vertices, s, ends) } else { 0.0 };
+    (0..vertices.len()).map(of)
+}
+
 /// The power heuristic's weight of technique s, which must have a positive density: p_s² / Σ_i p_i².
 ///
 /// Source: [Veach97], sections 9.2.4 and 10.2.1.
@@ -97,7 +109,7 @@ pub(crate) fn weight(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
 }
 
 /// c_s = λ_s² if x_{s−1} and x_s may be connected, else 0.
-#[inline]
+#[inline(always)]
 pub(crate) fn allowed(vertices: &[PathVertex], s: usize, ends: Ends) -> f64 {
     if connectible(vertices, s) { square(ends.preference(s)) } else { 0.0 }
 }

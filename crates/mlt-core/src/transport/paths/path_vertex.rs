@@ -64,7 +64,7 @@ pub(crate) fn reference(vertices: &[PathVertex], i: usize) -> f64 {
 }
 
 /// Whether x_{s−1} and x_s may be connected.
-#[inline]
+#[inline(always)]
 pub(crate) fn connectible(vertices: &[PathVertex], s: usize) -> bool {
     s == 0 || !(vertices[s - 1].vertex.delta || vertices[s].vertex.delta)
 }

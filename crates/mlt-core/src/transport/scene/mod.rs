@@ -1,6 +1,7 @@
 //! The scene as the renderer uses it.
 
 mod camera;
+mod check;
 mod description;
 pub(crate) mod light;
 mod lights;
@@ -13,13 +14,15 @@ mod veil;
 mod view;
 
 use crate::transport::accel::{Accel, coarse_size};
-use crate::transport::geometry::{ERROR_FACTOR, Hit, Mesh, Ray, Space, Vertex};
+use crate::transport::geometry::{ERROR_FACTOR, Hit, Ray, Space, Vertex};
+use check::{check, drop_invisible, drop_unusable};
 use glam::{Vec3, Vec3A};
 use primitive::{FLAT, Primitive, primitives};
 use std::cell::Cell;
 use ties::{Surfaces, Ties};
 
 pub use camera::{Camera, CameraPose, CameraRay};
+pub use check::UnusableScene;
 pub use description::{SceneDescription, SurfaceName};
 pub(crate) use light::Piece;
 pub use light::{Light, LightPoint};
@@ -28,31 +31,6 @@ pub use material::Material;
 pub use needs::Needs;
 pub use surface::{Sampled, Surface};
 pub use view::View;
-
-/// What makes a scene unusable.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum UnusableScene {
-    /// There is nothing to see.
-    #[error("the scene has no triangle")]
-    NoTriangle,
-    /// There is nothing to see it by.
-    #[error("the scene has no light: give a material an emission (glTF emissiveFactor, MTL Ke)")]
-    NoLight,
-    /// A mesh refers to a vertex or material that does not exist.
-    #[error("mesh \"{mesh}\" refers to {what} {index}, which does not exist")]
-    BadIndex {
-        /// Name of the mesh.
-        mesh: String,
-        /// "vertex" or "material".
-        what: &'static str,
-        /// The index.
-        index: usize,
-    },
-    /// More triangles than a 32-bit index can name.
-    #[error("the scene has {0} triangles; at most {max} are supported", max = Scene::MOST_TRIANGLES)]
-    TooLarge(usize),
-}
 
 /// Triangles, materials and lights, in coordinates of the renderer's own.
 pub struct Scene {
@@ -174,8 +152,13 @@ impl Scene {
     /// Whether nothing stands between two vertices.
     #[inline(always)]
     pub fn visible(&self, a: &Vertex, b: &Vertex) -> bool {
+        self.is_clear(Self::segment(a, b))
+    }
+
+    /// Whether nothing stands on a segment.
+    #[inline(always)]
+    fn is_clear(&self, [from, to]: [Vec3A; 2]) -> bool {
         RAYS.set(RAYS.get() + 1);
-        let [from, to] = Self::segment(a, b);
         !self.accel.occluded(&Ray { origin: from.into(), direction: (to - from).into(), t_max: 1.0 })
     }
 
@@ -213,23 +196,32 @@ impl Scene {
     #[inline(always)]
     fn vertex(&self, hit: &Hit, ray: &Ray) -> Vertex {
         let p = &self.primitives[hit.primitive as usize];
-        if p.coarse | p.shared { self.vertex_apart(hit, ray) } else { self.interpolated(hit) }
+        if p.coarse | p.shared
+            && let Some(apart) = self.vertex_apart(*hit, *ray)
+        {
+            return apart;
+        }
+        self.interpolated(hit)
     }
 
-    /// The vertex of a hit on a triangle that is coarse or shares its place.
+    /// The vertex of a hit on a triangle that is coarse or shares its place; `None`: that of any other hit. By value: what a call
+    /// refers to has to lie in memory even where it is not made.
     #[cold]
-    fn vertex_apart(&self, hit: &Hit, ray: &Ray) -> Vertex {
+    fn vertex_apart(&self, hit: Hit, ray: Ray) -> Option<Vertex> {
         let position = Vec3A::from(ray.at(ray.plane_parameter(self.primitives[hit.primitive as usize].vertices)));
         let primitive = self.seen(hit.primitive, position, Vec3A::from(-ray.direction));
         let p = &self.primitives[primitive as usize];
+        if primitive == hit.primitive && !p.coarse {
+            return None;
+        }
         let [u, v] =
             if primitive == hit.primitive { Some([hit.u, hit.v]) } else { p.weights(position) }.unwrap_or_default();
-        let vertex = self.interpolated(&Hit { primitive, u, v, ..*hit });
+        let vertex = self.interpolated(&Hit { primitive, u, v, ..hit });
         if !p.coarse {
-            return vertex;
+            return Some(vertex);
         }
         let error = vertex.error.max(ERROR_FACTOR * position.abs().max_element());
-        Vertex { position: ray.at(ray.plane_parameter(p.vertices)).into(), error, ..vertex }
+        Some(Vertex { position: ray.at(ray.plane_parameter(p.vertices)).into(), error, ..vertex })
     }
 
     /// Whether another surface is seen in a vertex's place from a direction.
@@ -276,35 +268,4 @@ impl Scene {
             shared: p.shared,
         }
     }
-}
-
-fn check(description: &SceneDescription) -> Result<(), UnusableScene> {
-    let total: usize = description.meshes.iter().map(|m| m.triangles.len()).sum();
-    if total > Scene::MOST_TRIANGLES {
-        return Err(UnusableScene::TooLarge(total));
-    }
-    for mesh in &description.meshes {
-        let bad = |what, index: u32| UnusableScene::BadIndex { mesh: mesh.name.clone(), what, index: index as usize };
-        if mesh.material as usize >= description.materials.len() {
-            return Err(bad("material", mesh.material));
-        }
-        if let Some(&i) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= mesh.positions.len()) {
-            return Err(bad("vertex", i));
-        }
-    }
-    Ok(())
-}
-
-/// Drops meshes of opacity 0: no surface is there.
-fn drop_invisible(description: &mut SceneDescription) {
-    let SceneDescription { meshes, materials, .. } = description;
-    meshes.retain(|mesh| materials[mesh.material as usize].opacity > 0.0);
-}
-
-/// Drops triangles with a corner that is not finite; returns how many.
-fn drop_unusable(mesh: &mut Mesh) -> usize {
-    let before = mesh.triangles.len();
-    let Mesh { positions, triangles, .. } = mesh;
-    triangles.retain(|t| t.iter().all(|&i| positions[i as usize].is_finite()));
-    before - triangles.len()
 }

@@ -29,33 +29,31 @@ impl Scene {
 
     /// The same from a point that is on no surface.
     #[inline(always)]
-    pub(crate) fn follow_ray(&self, origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
-        let first = self.trace_ray(origin, direction)?;
-        if self.needs.veils { self.pass(first, direction, rng) } else { Some((first, 1.0)) }
-    }
-
-    #[inline(never)]
-    fn pass(&self, mut vertex: Vertex, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
+    pub(crate) fn follow_ray(&self, mut origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
         let mut passed = 1.0;
         loop {
+            let vertex = self.trace_ray(origin, direction)?;
+            if !self.needs.veils {
+                return Some((vertex, passed));
+            }
             let opacity = self.opacity(&vertex);
             if opacity >= 1.0 || uniform_f32(rng) < opacity {
                 return Some((vertex, passed));
             }
             passed *= 1.0 - opacity;
-            vertex = self.trace(&vertex, direction)?;
+            origin = vertex.origin(direction);
         }
     }
 
     /// τ between two vertices; 0 if an opaque surface stands there.
     #[inline(always)]
     pub fn transmittance(&self, a: &Vertex, b: &Vertex) -> f32 {
-        if self.needs.veils { self.veils_between(a, b) } else { f32::from(u8::from(self.visible(a, b))) }
+        let segment = Self::segment(a, b);
+        if self.needs.veils { self.veils_along(segment) } else { f32::from(u8::from(self.is_clear(segment))) }
     }
 
     #[inline(never)]
-    fn veils_between(&self, a: &Vertex, b: &Vertex) -> f32 {
-        let [mut from, to] = Self::segment(a, b);
+    fn veils_along(&self, [mut from, to]: [Vec3A; 2]) -> f32 {
         let mut passed = 1.0;
         loop {
             RAYS.set(RAYS.get() + 1);

@@ -1,10 +1,13 @@
 //! Lights, their parts, and the way from a point to its part.
 
-use super::worlds::{Builder, World, ball, lambert, quad, two_lights};
-use crate::engine::{Purpose, generator, uniform};
+use super::worlds::{Builder, World, ball, glass, lambert, mirror, quad, two_lights};
+use crate::engine::{Importance, Purpose, Stratum, generator, uniform};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
 use crate::transport::lights::{Cell, LightRegion, LightStrata, Stratification};
+use crate::transport::methods::metropolis::LightStratum;
+use crate::transport::paths::mis::met_by_chance;
+use crate::transport::paths::{Classes, LightPath, Luminance};
 use crate::transport::scene::Scene;
 use crate::transport::scene::light::Shape;
 use glam::{DVec2, DVec3};
@@ -177,5 +180,48 @@ fn a_rectangle_emits_from_the_side_of_its_winding() {
         let (_, vertex) = world.scene.light_point(&Default::default());
         assert_eq!(vertex.geometric_normal.z, if flip { -1.0 } else { 1.0 });
         assert_eq!(world.scene.emitted(&vertex, glam::Vec3A::Z) == Rgb::ZERO, flip);
+    }
+}
+
+/// ∫ I over the paths that strata hold, those that some connection makes and those that only chance meets, each with the variance of
+/// its estimate.
+fn held(strata: &[LightStratum], samples: u64) -> [[f64; 2]; 2] {
+    let mut held = [[0.0; 2]; 2];
+    for (j, stratum) in (0..).zip(strata) {
+        let mut moments = [[0.0; 2]; 2];
+        for i in 0..samples {
+            let mut sums = [0.0; 2];
+            stratum.sample(&mut generator(8, Purpose::Sample, 0, j, i), &mut |path: &LightPath, weight| {
+                assert_eq!(strata.iter().filter(|other| other.contains(path)).count(), 1, "of all strata");
+                sums[usize::from(met_by_chance(path.vertices()))] += weight * Luminance.eval(path);
+            });
+            for (moments, sum) in moments.iter_mut().zip(sums) {
+                *moments = [moments[0] + sum, moments[1] + sum * sum];
+            }
+        }
+        let n = samples as f64;
+        for (held, [sum, squares]) in held.iter_mut().zip(moments) {
+            *held = [held[0] + sum / n, held[1] + (squares - sum * sum / n) / (n * n)];
+        }
+    }
+    held
+}
+
+/// Cut strata are a partition and hold what all of path space holds, of what only chance meets as well. The control is without the
+/// strata of that.
+#[test]
+fn what_chance_meets_is_held_apart_and_whole() {
+    let world = two_lights(glass(0.0), mirror());
+    let none = LightStrata::new(world.scene.lights(), Stratification::None);
+    let cut = LightStrata::new(world.scene.lights(), Stratification::Grid(2, 2));
+    let whole = held(&LightStratum::all(&none, world.view(), 12), 100_000);
+    for (lengths, tiles) in [(false, [1, 1]), (true, [2, 1])] {
+        let strata = LightStratum::product(&cut, world.view(), 12, Classes { lengths, tiles });
+        let z = |found: [[f64; 2]; 2]| [0, 1].map(|m| (found[m][0] - whole[m][0]) / (found[m][1] + whole[m][1]).sqrt());
+        let found = held(&strata, 20_000);
+        assert!(z(found).iter().all(|z| z.abs() < 4.0), "{found:?}, whole {whole:?}");
+        let connected: Vec<_> = strata.into_iter().filter(|stratum| !stratum.is_met()).collect();
+        let [others, met] = z(held(&connected, 20_000));
+        assert!(others.abs() < 4.0 && met < -4.0, "{others}, {met}");
     }
 }

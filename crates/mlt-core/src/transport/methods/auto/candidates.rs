@@ -1,7 +1,7 @@
 //! The independent methods that a render may use.
 
+use super::constants::{BRANCHES, LENGTHS, TIME_OF_A_BIDIRECTIONAL_RAY};
 use super::measure::work_of;
-use super::parts::LENGTHS;
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::bidirectional::Bidirectional;
 use crate::transport::methods::path_tracing::PathTracer;
@@ -20,10 +20,6 @@ pub enum Sampler {
     Bidirectional,
 }
 
-/// Time of a ray of a bidirectional sample, with all that comes with it, over that in path tracing.
-pub const TIME_OF_A_BIDIRECTIONAL_RAY: f64 = 1.2;
-/// Numbers of branches that are tried.
-const BRANCHES: [u32; 4] = [1, 2, 4, 8];
 /// Candidates for each limit of length: path tracing with each number of branches, and bidirectional path tracing.
 pub(super) const OF_A_LENGTH: usize = BRANCHES.len() + 1;
 

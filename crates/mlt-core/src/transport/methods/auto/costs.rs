@@ -1,32 +1,25 @@
 //! From what a pilot measured to errors and costs of each part.
 
 use super::candidates::Candidate;
+use super::constants::{MET, NOTABLE, SMOOTH, WIDEST};
 use super::decide::Costs;
 use super::doubt::upper;
 use super::measure::Measured;
 use super::parts::Parts;
+use super::per_method::PerMethod;
 use super::share::side;
 use super::tails::Tail;
 use crate::engine::Measure;
 use crate::transport::image::{blurred, weights_of_smooth};
 use crate::transport::paths::Kinds;
 
-/// Squared relative noise of the smoothed image below which it needs no more smoothing.
-const SMOOTH: f64 = 0.05;
-/// Share of a part's light that a method is to have met.
-const MET: f64 = 0.5;
-/// Share of the image's light that matters.
-const NOTABLE: f64 = 0.03;
-/// Largest radius of the smoothing, as a share of the image's longer side.
-const WIDEST: f64 = 0.125;
-
 /// Weights of squared errors on the pilot's image. Where a sampler met something bright, the image is taken to be so.
 ///
 /// The image is smoothed until little noise is left in it. Weights of a noisy image are small where a rare bright sample
 /// happened to fall, which is where the measured variance is, and large wherever none did: they hide the noise of
 /// samples, and exaggerate that of chains.
-pub(super) fn weights(measured: &[Measured; 2], size: [u32; 2]) -> Vec<f64> {
-    let images = measured.each_ref().map(Measured::image);
+pub(super) fn weights(measured: &PerMethod<Measured>, size: [u32; 2]) -> Vec<f64> {
+    let images = measured.as_ref().map(Measured::image);
     let noise = |weights: &[f64], radius: usize| {
         let of_images: f64 = measured.iter().map(|m| m.whole_error(weights) / m.samples).sum();
         0.25 * of_images / (2 * radius + 1).pow(2) as f64
@@ -42,10 +35,11 @@ pub(super) fn weights(measured: &[Measured; 2], size: [u32; 2]) -> Vec<f64> {
     }
 }
 
-fn smoothed_weights(images: &[Vec<f64>; 2], size: [u32; 2], radius: usize) -> Vec<f64> {
-    let smooth = images.each_ref().map(|image| blurred(image, size, radius));
-    let level = |i: usize| images[0][i].min(images[1][i]).max(0.5 * (smooth[0][i] + smooth[1][i]));
-    weights_of_smooth(&(0..images[0].len()).map(level).collect::<Vec<_>>())
+fn smoothed_weights(images: &PerMethod<Vec<f64>>, size: [u32; 2], radius: usize) -> Vec<f64> {
+    let smooth = images.as_ref().map(|image| blurred(image, size, radius));
+    let darker = |i: usize| images.path[i].min(images.bidirectional[i]);
+    let level = |i: usize| darker(i).max(0.5 * (smooth.path[i] + smooth.bidirectional[i]));
+    weights_of_smooth(&(0..images.path.len()).map(level).collect::<Vec<_>>())
 }
 
 /// What chains leave in an image of `to` pixels, as a mean over pixels and for each mutation and sample a pixel, from the
@@ -74,13 +68,12 @@ pub(super) struct Chained {
 pub(super) struct Findings<'a> {
     pub(super) parts: &'a Parts<'a>,
     pub(super) candidates: &'a [Candidate],
-    /// Path tracing and bidirectional path tracing.
-    pub(super) measured: &'a [Measured; 2],
+    pub(super) measured: &'a PerMethod<Measured>,
     /// Of squared errors, pixel by pixel.
     pub(super) weights: &'a [f64],
     /// Second moments that both have not met, part by part: see [`Tails`](super::tails::Tails). None of lamps in view: none is rarer
     /// than it is small, and the rays that meet it are well spread.
-    pub(super) tails: Vec<[Tail; 2]>,
+    pub(super) tails: Vec<PerMethod<Tail>>,
 }
 
 impl Findings<'_> {
@@ -91,16 +84,16 @@ impl Findings<'_> {
         let of_part = |(part, chained): (usize, &Chained)| {
             let of_chains = |bound: f64| self.of_chains(part, chained, bound);
             let (chains, at_most) = (of_chains(1.0), of_chains(upper(chained.measure.chain_events)));
-            let found = self.errors(part, chained);
             // How noisy a method is where it meets light rarely, nobody knows: chains have it, if they are of any use.
-            let unknown = |method: usize| chains.is_finite() && rarely[part][method];
-            let errors = [0, 1].map(|method| if unknown(method) { f64::INFINITY } else { found[method] });
+            let unknown = rarely[part].map(|rarely| rarely && chains.is_finite());
+            let errors = self.errors(part, chained).zip(unknown);
+            let errors = errors.map(|(error, unknown)| if unknown { f64::INFINITY } else { error });
             let kinds = self.parts.group(part);
             let of = |c: &Candidate| match c.scale(kinds, most) {
-                scale if scale.is_finite() => scale * errors[usize::from(!c.is_path())],
+                scale if scale.is_finite() => scale * errors.of(c.sampler),
                 scale => scale,
             };
-            let rare = [0, 1].into_iter().any(unknown);
+            let rare = unknown.path || unknown.bidirectional;
             Costs { independent: self.candidates.iter().map(of).collect(), chains, at_most, rare }
         };
         chains.iter().enumerate().map(of_part).collect()
@@ -108,14 +101,13 @@ impl Findings<'_> {
 
     /// Whether each part has light that matters and that path tracing, and bidirectional path tracing, were to meet fewer than
     /// ten times. Longer paths come the same way.
-    fn rarely_met(&self, chains: &[Chained]) -> Vec<[bool; 2]> {
+    fn rarely_met(&self, chains: &[Chained]) -> Vec<PerMethod<bool>> {
         let light: Vec<_> = chains.iter().enumerate().map(|(part, chained)| self.light(part, chained)).collect();
         let image: f64 = light.iter().sum();
-        let is_rare = |part: usize, method: usize| {
-            let unmet = self.unmet(part, method);
-            unmet > 1.0 - MET && unmet * light[part] > NOTABLE * image
-        };
-        let of_part = |part: usize| [0, 1].map(|m| self.parts.no_longer_than(part).any(|part| is_rare(part, m)));
+        let is_rare =
+            |part: usize| self.unmet(part).map(|unmet| unmet > 1.0 - MET && unmet * light[part] > NOTABLE * image);
+        let either = |a: PerMethod<bool>, b| a.zip(b).map(|(a, b)| a || b);
+        let of_part = |part: usize| self.parts.no_longer_than(part).map(is_rare).fold(PerMethod::default(), either);
         (0..chains.len()).map(of_part).collect()
     }
 
@@ -124,9 +116,10 @@ impl Findings<'_> {
         self.measured.iter().map(|m| m.energy(part)[0]).fold(chained.energy[0], f64::max)
     }
 
-    /// Share of the part's light that a method was to meet fewer than ten times.
-    fn unmet(&self, part: usize, method: usize) -> f64 {
-        if self.measured[method].largest[part] > 0.0 { self.tails[part][method].light } else { 1.0 }
+    /// Share of the part's light that each method was to meet fewer than ten times.
+    fn unmet(&self, part: usize) -> PerMethod<f64> {
+        let both = self.measured.as_ref().zip(self.tails[part]);
+        both.map(|(m, tail)| if m.largest[part] > 0.0 { tail.light } else { 1.0 })
     }
 
     /// Error × work of chains, their noise being so many times what was measured.
@@ -142,23 +135,21 @@ impl Findings<'_> {
         }
     }
 
-    /// What path tracing and bidirectional path tracing leave of a part, for one sample a pixel.
-    fn errors(&self, part: usize, chained: &Chained) -> [f64; 2] {
-        let Self { measured, weights, tails, .. } = self;
+    /// What each method leaves of a part, for one sample a pixel.
+    fn errors(&self, part: usize, chained: &Chained) -> PerMethod<f64> {
+        let (measured, weights) = (self.measured.as_ref(), self.weights);
         let (pixels, weight) = (weights.len() as f64, weights.iter().sum::<f64>() / weights.len() as f64);
-        let found = measured.each_ref().map(|m| m.energy(part));
+        let found = measured.map(|m| m.energy(part));
         let all = found.iter().chain([&chained.energy]);
         let certain = all.map(|[energy, error]| energy - 2.0 * error).fold(0.0, f64::max);
-        let met = |method: usize| measured[method].error(part, weights) + tails[part][method].moment;
-        let error = |method: usize| {
-            let (m, [energy, _]) = (&measured[method], found[method]);
+        let met = measured.zip(self.tails[part]).map(|(m, tail)| m.error(part, weights) + tail.moment);
+        measured.zip(found).zip(met.zip(met.swapped())).map(|((m, [energy, _]), (met, of_other))| {
             // What N samples missed is carried by events rarer than 3/N, whose second moment is at least so large.
             let missed = weight * (0.5 * certain - energy).max(0.0).powi(2) * m.samples * pixels / 3.0;
             // If it found no light, the other one's noise is the best that is known.
-            let unknown = if energy > 0.0 { 0.0 } else { met(1 - method) };
-            met(method).max(missed).max(unknown)
-        };
-        [0, 1].map(error)
+            let unknown = if energy > 0.0 { 0.0 } else { of_other };
+            met.max(missed).max(unknown)
+        })
     }
 
     /// What chains may leave of parts where they have hardly found light, but samples have: nothing better is known than the most
@@ -168,9 +159,9 @@ impl Findings<'_> {
         let worst = chains.iter().filter_map(noise).filter(|q| q.is_finite()).fold(0.0, f64::max);
         let cost = chains.iter().map(|c| c.measure.mutation_cost).fold(0.0, f64::max);
         for (part, Chained { measure, .. }) in chains.iter_mut().enumerate() {
-            let found = self.measured.each_ref().map(|m| m.energy(part)[0]);
-            if measure.chain_error.is_none() && worst > 0.0 && found != [0.0; 2] {
-                measure.chain_error = Some(worst * found[0].max(found[1]).powi(2));
+            let found = self.measured.iter().map(|m| m.energy(part)[0]).fold(0.0, f64::max);
+            if measure.chain_error.is_none() && worst > 0.0 && found > 0.0 {
+                measure.chain_error = Some(worst * found.powi(2));
                 (measure.chain_events, measure.mutation_cost) = (f64::INFINITY, cost);
             }
         }
@@ -178,7 +169,7 @@ impl Findings<'_> {
 
     /// What chains lack of a part's image; `image`: the pixels that they lit.
     pub(super) fn missed_by_chains(&self, part: usize, image: &[(u32, f64)]) -> f64 {
-        let both = self.measured.each_ref().map(|m| (m, m.error(part, self.weights) / m.samples));
+        let both = self.measured.as_ref().map(|m| (m, m.error(part, self.weights) / m.samples));
         missed_by_chains(both, part, image, self.weights)
     }
 }
@@ -189,9 +180,9 @@ impl Findings<'_> {
 /// With c the chains' pixel, m that of the independent method with less error, and v the variance of m, E[(m − c)² − v] is the
 /// squared error of c, and varies by about 4 (m − c)² v + 2 v². Only pixels that chains leave darker count, and what stands
 /// three standard deviations above nothing.
-fn missed_by_chains(measured: [(&Measured, f64); 2], part: usize, image: &[(u32, f64)], weights: &[f64]) -> f64 {
-    let [(path, error), (bidirectional, other)] = measured;
-    let sampler = if other < error { bidirectional } else { path };
+fn missed_by_chains(measured: PerMethod<(&Measured, f64)>, part: usize, image: &[(u32, f64)], weights: &[f64]) -> f64 {
+    let PerMethod { path, bidirectional } = measured;
+    let (sampler, _) = if bidirectional.1 < path.1 { bidirectional } else { path };
     let mut chains = vec![0.0; weights.len()];
     image.iter().for_each(|&(site, value)| chains[site as usize] = value);
     let (mut sum, mut variance) = (0.0, 0.0);
@@ -222,18 +213,22 @@ mod tests {
         Measured::of_image(mean, variance, 32.0)
     }
 
+    fn both(p: f64) -> PerMethod<Measured> {
+        PerMethod { path: 1, bidirectional: 2 }.map(|seed| measured(p, seed))
+    }
+
     #[test]
     fn rare_events_do_not_hide_their_noise() {
         for p in [0.5, 0.05, 0.0005] {
-            let both = [1, 2].map(|seed| measured(p, seed));
+            let both = both(p);
             let exact = (1.0 / p - 1.0) / 1.01;
-            let found = both[0].whole_error(&weights(&both, SIZE)) / exact;
+            let found = both.path.whole_error(&weights(&both, SIZE)) / exact;
             assert!((0.6..1.4).contains(&found), "{p}: {found}");
         }
         // The negative control: an image that is still noisy.
-        let both = [1, 2].map(|seed| measured(0.0005, seed));
-        let noisy = smoothed_weights(&both.each_ref().map(Measured::image), SIZE, 1);
-        assert!(both[0].whole_error(&noisy) < 0.3 * 2000.0);
+        let both = both(0.0005);
+        let noisy = smoothed_weights(&both.as_ref().map(Measured::image), SIZE, 1);
+        assert!(both.path.whole_error(&noisy) < 0.3 * 2000.0);
     }
 
     /// An image of level 1, by samples that are quiet or come as rare events, and by chains that lit all of it, or all but a
@@ -242,9 +237,9 @@ mod tests {
     fn a_highlight_that_chains_have_not_met_is_told_from_noise() {
         let weights = vec![1.0; 4096];
         let missed = |p: f64, unlit: u32| {
-            let measured = [1, 2].map(|seed| measured(p, seed));
+            let measured = both(p);
             let image: Vec<_> = (unlit..4096).map(|site| (site, 1.0)).collect();
-            missed_by_chains([&measured[0], &measured[1]].map(|m| (m, m.error(0, &weights))), 0, &image, &weights)
+            missed_by_chains(measured.as_ref().map(|m| (m, m.error(0, &weights))), 0, &image, &weights)
         };
         let found = missed(0.5, 256);
         assert!((180.0..270.0).contains(&found), "{found}");

@@ -1,5 +1,7 @@
 //! Which parts of path space are sampled by which estimator.
 
+use super::constants::{LEAST_CHAINS, MIXTURE_GAIN, MOST_WORK};
+
 /// What is known of one part of path space, in a unit of error × work: how much error, squared and over work, an estimator
 /// leaves that does nothing else.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,14 +60,6 @@ impl Decision {
         (self.sample_error + of_chains) * self.work()
     }
 }
-
-/// A mixture is to be better than every single method by this factor, since it is chosen by noisy figures. Where light is
-/// rare, it is enough that it is better.
-const MIXTURE_GAIN: f64 = 0.6;
-/// Least share of a round's work for chains.
-const LEAST_CHAINS: f64 = 0.125;
-/// Work of a round over what was asked for, at most: numbers of samples are powers of two.
-const MOST_WORK: f64 = 1.25;
 
 /// The decisions that are open to a pilot.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,8 +4,7 @@
 //! of k that were met, the expected number μ is at most that of k = μ − t √μ. By Cantelli's inequality,
 //! P(μ − X ≥ t σ) ≤ 1/(1 + t²), such a bound holds with 90 % for every law if t = 3.
 
-/// Standard deviations.
-const DEVIATIONS: f64 = 3.0;
+use super::constants::DEVIATIONS;
 
 /// Upper bound of a noise over its estimate, which rests on so many [`events`](crate::engine::events): μ/k.
 pub(super) fn upper(events: f64) -> f64 {

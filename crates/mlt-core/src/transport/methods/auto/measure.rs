@@ -1,5 +1,6 @@
 //! What independent samples of a small image tell about each part of path space.
 
+use super::constants::{ENOUGH_PIXELS, LONG};
 use super::parts::Parts;
 use crate::engine::{PILOT, Purpose, generator};
 use crate::transport::methods::independent::{ImageSampler, point_in_pixel};
@@ -9,12 +10,6 @@ use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
 
-/// Points of one sequence for which two sequences a pixel, whose spread is the noise, are enough; shorter ones are four.
-const LONG: u64 = 4;
-
-/// Number of pixels with a value or a larger one that are enough to know how often these come.
-const MET: usize = 10;
-
 /// Moments of an independent method in every pixel and part.
 pub(super) struct Measured {
     /// Number of parts.
@@ -23,7 +18,7 @@ pub(super) struct Measured {
     mean: Vec<f64>,
     /// Variance of that, times the samples of a pixel.
     variance: Vec<f64>,
-    /// The value that samples have reached in [`MET`] pixels, part by part.
+    /// The value that samples have reached in [`ENOUGH_PIXELS`] pixels, part by part.
     pub(super) largest: Vec<f64>,
     /// Samples taken of each pixel.
     pub(super) samples: f64,
@@ -71,7 +66,7 @@ impl Measured {
         let largest = |part: usize| {
             let mut values: Vec<_> = pixels.iter().map(|pixel| pixel.largest[part]).collect();
             values.sort_by(|a, b| b.total_cmp(a));
-            values[(MET - 1).min(values.len() - 1)]
+            values[(ENOUGH_PIXELS - 1).min(values.len() - 1)]
         };
         let largest = (0..parts.len()).map(largest).collect();
         Self { parts: parts.len(), mean, variance, largest, samples: taken, work }

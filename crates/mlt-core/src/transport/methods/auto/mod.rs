@@ -7,11 +7,13 @@
 //! Every part is sampled by exactly one of them, so the sum is unbiased whatever the pilot found.
 
 mod candidates;
+mod constants;
 mod costs;
 mod decide;
 mod doubt;
 mod measure;
 mod parts;
+mod per_method;
 mod plan;
 mod render;
 mod share;
@@ -22,57 +24,29 @@ use super::counts::PilotCounts;
 use super::metropolis::{LightStratum, PathMutation};
 use super::path_tracing::PathTracer;
 use super::samples::mutations_a_sample;
-use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, PILOT, Piloted, Share, Tally};
+use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, Piloted, Share, Tally};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::{LightRegion, LightStrata, LightTree, Stratification};
 use crate::transport::scene::{View, rays_traced};
 use candidates::Candidate;
+use constants::{
+    CHAIN_PILOT, CHAIN_ROUNDS_OF_TIME, LEAST_OF_A_PROMISE, LEAST_SHARE, LIGHT_PARTS, MOST_ROUNDS, MUTATIONS,
+    MUTATIONS_PER_SAMPLE, PATHS, PIXELS, REDUCTION, ROUNDS, ROUNDS_OF_TIME, TIME_OF_CHAINS, USUAL_PIXELS,
+};
 use costs::{Chained, Findings, per_pixel, weights};
 use decide::{Choice, Costs, Decision, decide};
 use measure::Measured;
 use parts::Parts;
+use per_method::PerMethod;
 use plan::summary;
 use share::{Chains, share_out};
 use tails::{Tail, Tails};
 
-pub use candidates::{Sampler, TIME_OF_A_BIDIRECTIONAL_RAY};
+pub use candidates::Sampler;
+pub use constants::{TIME_OF_A_BIDIRECTIONAL_RAY, TIME_OF_A_CHAINS_RAY};
 pub use parts::SomePaths;
 pub use plan::{PartSummary, Plan, Summary};
 pub use render::Auto;
-
-/// Time of a ray of chains, with all that comes with it, over that in path tracing.
-pub const TIME_OF_A_CHAINS_RAY: f64 = 1.2;
-
-/// Pixels of the image for each of the pilot's, but no fewer than [`USUAL_PIXELS`].
-const REDUCTION: f64 = 16.0;
-/// Pixels of the pilot's image, unless that takes too long.
-const USUAL_PIXELS: f64 = 4096.0;
-/// Fewest and most of them.
-const PIXELS: [f64; 2] = [256.0, 16_384.0];
-/// Time of the pilot over that of a round, at most.
-const ROUNDS_OF_TIME: f64 = 1.5;
-/// Time of the pilot's chains for one of its pixels, in samples of path tracing, about.
-const TIME_OF_CHAINS: f64 = 30.0;
-/// Samples of path tracing in the time of one of bidirectional path tracing, about.
-const PATHS: f64 = 4.0;
-/// Mutations a pixel and round of the pilot.
-const MUTATIONS: f64 = 8.0;
-/// Mutations for each independent sample of the pilot.
-const MUTATIONS_A_SAMPLE: u64 = 8;
-/// Rounds of the pilot's chains.
-const ROUNDS: u64 = 4;
-/// Most of them, where chains have a chance.
-const MOST_ROUNDS: u64 = 16;
-/// Time of these over that of a round, at most.
-const CHAIN_ROUNDS_OF_TIME: f64 = 0.75;
-/// Work of chains over what they were promised, at least.
-const LEAST_OF_A_PROMISE: f64 = 0.5;
-/// Most parts of the lights, unless they are asked for.
-const LIGHT_PARTS: usize = 8;
-/// Least share of the power of a part that is asked for: the pilot measures each of them in every pixel.
-const LEAST_SHARE: f64 = 1.0 / 16.0;
-/// Number of the first round of the pilot's chains.
-const CHAIN_PILOT: u64 = PILOT + (1 << 40);
 
 /// What a pilot is to find a plan for.
 struct Pilot<'a> {
@@ -91,36 +65,49 @@ struct Pilot<'a> {
 impl Pilot<'_> {
     /// Measures and decides.
     fn run(&self) -> (Plan, PilotCounts) {
-        let lights = self.view.scene.lights();
-        let strata = self.cut();
-        let parts = Parts::new(lights, &strata, self.max_edges, self.view.scene.needs().specular);
-        let camera = self.view.camera.with_size(self.size());
-        let view = View { camera: &camera, ..self.view };
-        let measured = self.independent(view, &parts);
-        let candidates = Candidate::all(view, self.lights, self.max_edges, self.seed);
-        let weights = weights(&measured, camera.size());
-        let part =
-            |i: usize| LightStratum::of_part(&strata, i / parts.groups.len(), parts.group(i), view, self.max_edges);
-        let path_space: Vec<_> = parts.open_to_chains().into_iter().map(part).collect();
-        let (tails, sought) = self.tails(view, &parts, &path_space, &measured, &weights);
-        let findings =
-            Findings { parts: &parts, candidates: &candidates, measured: &measured, weights: &weights, tails };
-        // A round has one sample at least.
-        let budget = self.per_pixel.max(1.0) * measured[0].work;
-        let work: Vec<_> = candidates.iter().map(|candidate| candidate.work).collect();
-        let choose = |costs: &[Costs]| decide(budget, &work, costs);
-        let (costs, measures, chained) = self.costs(view, &path_space, &findings, &choose);
-        let (decision, chains) = self.hand_out(&parts, choose(&costs), &measures);
-        let summary = summary(&parts, &decision, &costs, &candidates);
-        let independent = decision.independent.map(|(m, samples)| match candidates[m].sampler {
-            // As many as were asked for.
-            sampler @ Sampler::Path { branches: 1 } if decision.chain_work == 0.0 => (sampler, self.per_pixel),
-            sampler => (sampler, samples),
-        });
+        let (strata, camera) = (self.cut(), self.view.camera.with_size(self.size()));
+        let (lights, view) = (self.view.scene.lights(), View { camera: &camera, ..self.view });
+        let parts = &Parts::new(lights, &strata, self.max_edges, view.scene.needs().specular);
+        let path_space = self.open_to_chains(view, parts);
+
+        let measured = &self.independent(view, parts);
+        let candidates = &Candidate::all(view, self.lights, self.max_edges, self.seed);
+        let weights = &weights(measured, camera.size());
+        let (tails, sought) = self.tails(view, parts, &path_space, measured, weights);
+        let findings = Findings { parts, candidates, measured, weights, tails };
+        let (costs, measures, chained) = self.costs(view, &path_space, &findings);
+
+        let (decision, chains) = self.hand_out(parts, self.choose(&findings, &costs), &measures);
+        let (independent, summary) =
+            (self.samples(candidates, &decision), summary(parts, &decision, &costs, candidates));
         let sampled = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
         let sampled = PilotCounts { mutations: 0, rays: sampled as u64 };
         let plan = Plan { independent, chained: chains.kinds, shares: chains.shares, summary, strata };
         (plan, sampled + sought + chained)
+    }
+
+    /// The strata of the parts that may be left to chains.
+    fn open_to_chains<'s>(&self, view: View<'s>, parts: &Parts<'s>) -> Vec<LightStratum<'s>> {
+        let part =
+            |i: usize| LightStratum::of_part(parts.strata, parts.at(i).light, parts.group(i), view, self.max_edges);
+        parts.open_to_chains().into_iter().map(part).collect()
+    }
+
+    /// What is best by what is known.
+    fn choose(&self, findings: &Findings, costs: &[Costs]) -> Choice {
+        // A round has one sample at least.
+        let budget = self.per_pixel.max(1.0) * findings.measured.path.work;
+        let work: Vec<_> = findings.candidates.iter().map(|candidate| candidate.work).collect();
+        decide(budget, &work, costs)
+    }
+
+    /// The independent method of a decision, and its samples of each pixel.
+    fn samples(&self, candidates: &[Candidate], decision: &Decision) -> Option<(Sampler, f64)> {
+        decision.independent.map(|(m, samples)| match candidates[m].sampler {
+            // As many as were asked for.
+            sampler @ Sampler::Path { branches: 1 } if decision.chain_work == 0.0 => (sampler, self.per_pixel),
+            sampler => (sampler, samples),
+        })
     }
 
     /// Gives chains their shares: of the mixture, if that is still better than the best method alone with the numbers that
@@ -145,7 +132,6 @@ impl Pilot<'_> {
         view: View,
         path_space: &[LightStratum],
         findings: &Findings,
-        choose: &dyn Fn(&[Costs]) -> Choice,
     ) -> (Vec<Costs>, Vec<Measure>, PilotCounts) {
         let measure = |rounds| {
             let (chains, tally) = self.chains(view, path_space, findings, rounds);
@@ -154,7 +140,7 @@ impl Pilot<'_> {
         };
         let (costs, chains, first) = measure(ROUNDS);
         let more = self.more_rounds(view.camera.pixels());
-        if more <= ROUNDS || choose(&costs).best().chain_work == 0.0 {
+        if more <= ROUNDS || self.choose(findings, &costs).best().chain_work == 0.0 {
             return (costs, chains, first);
         }
         let (costs, chains, second) = measure(more);
@@ -181,19 +167,15 @@ impl Pilot<'_> {
         [w, h].map(|n| (n * scale).round().max(1.0) as u32)
     }
 
-    fn independent(&self, view: View, parts: &Parts) -> [Measured; 2] {
+    fn independent(&self, view: View, parts: &Parts) -> PerMethod<Measured> {
         let (region, next_event, max_edges) = (self.lights, self.lights.next_event(), self.max_edges);
         let samples = |n: f64| (n.max(1.0) as u64).next_power_of_two();
         let (path, bidirectional) = (samples(self.per_pixel), samples(self.per_pixel / PATHS));
-        [
-            Measured::new(
-                &PathTracer { view, next_event, max_edges, max_image_edges: max_edges, branches: 1 },
-                parts,
-                path,
-                self.seed,
-            ),
-            Measured::new(&Bidirectional { view, region, max_edges }, parts, bidirectional, self.seed),
-        ]
+        let tracer = PathTracer { view, next_event, max_edges, max_image_edges: max_edges, branches: 1 };
+        PerMethod {
+            path: Measured::new(&tracer, parts, path, self.seed),
+            bidirectional: Measured::new(&Bidirectional { view, region, max_edges }, parts, bidirectional, self.seed),
+        }
     }
 
     /// Rounds of chains, where it depends on them what is decided.
@@ -214,10 +196,10 @@ impl Pilot<'_> {
         view: View,
         parts: &Parts,
         strata: &[LightStratum],
-        measured: &[Measured; 2],
+        measured: &PerMethod<Measured>,
         weights: &[f64],
-    ) -> (Vec<[Tail; 2]>, PilotCounts) {
-        let largest = |part: usize| measured.each_ref().map(|m| m.largest[part]);
+    ) -> (Vec<PerMethod<Tail>>, PilotCounts) {
+        let largest = |part: usize| measured.as_ref().map(|m| m.largest[part]);
         let largest: Vec<_> = parts.open_to_chains().into_iter().map(largest).collect();
         let (importance, lights, seed) = (self.importance, self.lights, self.seed);
         let mutations = ROUNDS * self.mutations(view.camera.pixels(), strata.len());
@@ -229,7 +211,7 @@ impl Pilot<'_> {
     /// What chains find in each part.
     fn chains(&self, view: View, strata: &[LightStratum], findings: &Findings, rounds: u64) -> (Vec<Chained>, Tally) {
         let mutations = self.mutations(view.camera.pixels(), strata.len());
-        let share = Share { mutations, samples: mutations.div_ceil(MUTATIONS_A_SAMPLE) };
+        let share = Share { mutations, samples: mutations.div_ceil(MUTATIONS_PER_SAMPLE) };
         let strata: Vec<_> = strata.iter().map(|&stratum| (stratum, share)).collect();
         let mixture = Mixture::new(PathMutation::all(view));
         let (importance, seed) = (self.importance, self.seed);

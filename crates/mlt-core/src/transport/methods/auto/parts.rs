@@ -1,12 +1,19 @@
 //! The parts of path space that are measured one by one.
 
+use super::constants::LENGTHS;
 use crate::transport::lights::LightStrata;
 use crate::transport::methods::independent::Selection;
 use crate::transport::paths::{KINDS, Kind, Kinds, LightEnd, PathEnd};
 use crate::transport::scene::Lights;
 
-/// Fewest and most edges of each class of paths.
-pub(super) const LENGTHS: [[usize; 2]; 4] = [[1, 1], [2, 2], [3, 4], [5, usize::MAX]];
+/// A part: the paths of some kinds that start in one part of the lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PartIndex {
+    /// Number of the lights' part.
+    pub(super) light: usize,
+    /// Number of the group of kinds.
+    pub(super) group: usize,
+}
 
 /// Products of the lights' parts and of groups of kinds, in this order.
 pub(super) struct Parts<'a> {
@@ -48,9 +55,24 @@ impl<'a> Parts<'a> {
         self.strata.regions().len() * self.groups.len()
     }
 
+    /// Which part has a number.
+    pub(super) fn at(&self, number: usize) -> PartIndex {
+        PartIndex { light: number / self.groups.len(), group: number % self.groups.len() }
+    }
+
+    /// The number of a part.
+    fn number(&self, PartIndex { light, group }: PartIndex) -> usize {
+        light * self.groups.len() + group
+    }
+
     /// The kinds of paths in a part.
     pub(super) fn group(&self, part: usize) -> Kinds {
-        self.groups[part % self.groups.len()]
+        self.groups[self.at(part).group]
+    }
+
+    /// What is known of each part, in one slice for each of the lights' parts.
+    pub(super) fn by_light<'v, T>(&self, of_parts: &'v [T]) -> impl Iterator<Item = &'v [T]> {
+        of_parts.chunks(self.groups.len())
     }
 
     /// A part and those of the same light's parts that may be left to chains, have shorter paths, and meet a specular surface first
@@ -58,7 +80,7 @@ impl<'a> Parts<'a> {
     pub(super) fn no_longer_than(&self, part: usize) -> impl Iterator<Item = usize> {
         let specular = |part: usize| self.group(part).iter().all(|kind| kind.index() % 2 == 1);
         let open = move |&other: &usize| !self.group(other).is_within(Kinds::SEEN) && specular(other) == specular(part);
-        let first = part - part % self.groups.len();
+        let first = self.number(PartIndex { group: 0, ..self.at(part) });
         (first..part).filter(open).chain([part])
     }
 
@@ -76,12 +98,8 @@ impl<'a> Parts<'a> {
 
     /// Which part a path belongs to.
     pub(super) fn index(&self, end: &PathEnd) -> usize {
-        let stratum = self.stratum(end);
-        stratum * self.groups.len() + usize::from(self.group_of[end.kind.index()])
-    }
-
-    fn stratum(&self, end: &PathEnd) -> usize {
-        stratum(self.lights, self.strata, end)
+        let light = stratum(self.lights, self.strata, end);
+        self.number(PartIndex { light, group: usize::from(self.group_of[end.kind.index()]) })
     }
 }
 

@@ -81,12 +81,11 @@ pub struct PartSummary {
 
 /// A report of a decision.
 pub(super) fn summary(parts: &Parts, decision: &Decision, costs: &[Costs], candidates: &[Candidate]) -> Summary {
-    let groups = parts.groups.len();
     // Path tracing without branches and bidirectional path tracing, of paths of all lengths, are the first and the last.
     let lengths = &candidates[candidates.len() - OF_A_LENGTH..];
     let noise = |costs: &Costs, m: usize| costs.independent[candidates.len() - OF_A_LENGTH + m] * lengths[m].work;
     let part = |(i, costs): (usize, &Costs)| PartSummary {
-        light: i / groups,
+        light: parts.at(i).light,
         kinds: parts.group(i),
         path: noise(costs, 0),
         bidirectional: noise(costs, OF_A_LENGTH - 1),

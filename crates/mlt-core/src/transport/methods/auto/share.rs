@@ -1,8 +1,8 @@
 //! Shares of a round for what a pilot decided.
 
+use super::constants::{MUTATIONS_PER_SAMPLE, TIME_OF_A_CHAINS_RAY};
 use super::decide::Decision;
 use super::parts::Parts;
-use super::{MUTATIONS_A_SAMPLE, TIME_OF_A_CHAINS_RAY};
 use crate::engine::{Measure, Share, allocate};
 use crate::transport::paths::Kinds;
 
@@ -46,7 +46,7 @@ pub(super) fn share_out(
     let mut shares = Vec::new();
     for _ in 0..3 {
         let n = (mutations.max(1.0) / unions.len() as f64) as u64;
-        let even = vec![Share { mutations: n.max(1), samples: (n / MUTATIONS_A_SAMPLE).max(1) }; unions.len()];
+        let even = vec![Share { mutations: n.max(1), samples: (n / MUTATIONS_PER_SAMPLE).max(1) }; unions.len()];
         shares = allocate(&unions, &even, mutations.max(1.0), mutations_a_sample);
         expected = unions.iter().zip(&shares).map(|(m, share)| work_of(m, share)).sum::<f64>() / work;
         mutations *= if expected > 0.0 { expected.recip().clamp(0.1, 10.0) } else { 1.0 };
@@ -61,8 +61,7 @@ pub(super) fn share_out(
 /// What chains sample in each of the lights' parts, and what is known of it where that is anything.
 fn unions(parts: &Parts, decision: &Decision, measures: &[Measure]) -> (Vec<Kinds>, Vec<Measure>) {
     let (mut chained, mut unions) = (Vec::new(), Vec::new());
-    let groups = parts.groups.len();
-    for (in_chains, measures) in decision.in_chains.chunks(groups).zip(measures.chunks(groups)) {
+    for (in_chains, measures) in parts.by_light(&decision.in_chains).zip(parts.by_light(measures)) {
         let of = parts.groups.iter().zip(measures).zip(in_chains).filter(|(_, chained)| **chained);
         let (kinds, measures): (Vec<Kinds>, Vec<Measure>) = of.map(|((kinds, m), _)| (kinds, *m)).unzip();
         chained.push(kinds.iter().flat_map(|kinds| kinds.iter()).fold(Kinds::NONE, Kinds::with));

@@ -1,7 +1,9 @@
 //! What independent samples have not met yet, told by chains.
 
-use super::{CHAIN_PILOT, MUTATIONS_A_SAMPLE};
+use super::constants::{CHAIN_PILOT, CHAINS, MUTATIONS_PER_SAMPLE, NEW};
+use super::per_method::PerMethod;
 use crate::engine::{Chain, Importance, Mixture, Purpose, Sink, Stratum, generator, uniform};
+use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::counts::PilotCounts;
 use crate::transport::methods::metropolis::LightStratum;
@@ -10,11 +12,6 @@ use crate::transport::paths::mis::Ends;
 use crate::transport::paths::{LightPath, mis};
 use crate::transport::scene::{View, rays_traced};
 use rayon::prelude::*;
-
-/// Chains in each part.
-const CHAINS: u64 = 16;
-/// What a value has to be over those that were met, so that rounding does not make it larger.
-const NEW: f64 = 1.01;
 
 /// Second moments of the events that an independent method has not met.
 ///
@@ -26,9 +23,9 @@ const NEW: f64 = 1.01;
 /// Roulette, which makes values larger and rarer, is left out, so the truth may be larger still.
 ///
 /// The share of a part's light that comes in such values is Σ_s ∫_{v_s > V} w_s I dμ / b = E_{x ~ I/b}[ Σ_{s: v_s > V} w_s ].
-pub(super) struct Tails<'a, I> {
+pub(super) struct Tails<'a> {
     pub(super) view: View<'a>,
-    pub(super) importance: &'a I,
+    pub(super) importance: &'a PixelImportance,
     /// All lights.
     pub(super) lights: &'a LightRegion,
     pub(super) seed: u64,
@@ -45,13 +42,20 @@ pub(super) struct Tail {
     pub(super) light: f64,
 }
 
+impl Tail {
+    /// With another one, so many times.
+    fn plus(self, factor: f64, other: Self) -> Self {
+        Self { moment: self.moment + factor * other.moment, light: self.light + factor * other.light }
+    }
+}
+
 /// What one chain saw.
 #[derive(Clone, Copy, Default)]
 struct OfChain {
     /// b of the part, from the samples that it started from.
     b: f64,
     /// In the mean over its states.
-    tails: [Tail; 2],
+    tails: PerMethod<Tail>,
 }
 
 /// A sink that forgets.
@@ -61,15 +65,15 @@ impl<S> Sink<S> for Nothing {
     fn deposit(&mut self, _: S, _: f64) {}
 }
 
-impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
+impl Tails<'_> {
     /// Those of path tracing and of bidirectional path tracing in each part, `largest` being V of both, from `mutations`
     /// of each part's chains; and what that took.
     pub(super) fn measure(
         &self,
         parts: &[LightStratum],
-        largest: &[[f64; 2]],
+        largest: &[PerMethod<f64>],
         mutations: u64,
-    ) -> (Vec<[Tail; 2]>, PilotCounts) {
+    ) -> (Vec<PerMethod<Tail>>, PilotCounts) {
         let chains: Vec<_> = (0..parts.len() as u64 * CHAINS).collect();
         let of_chain = |&i: &u64| {
             let part = (i / CHAINS) as usize;
@@ -81,18 +85,22 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
         let spent = PilotCounts { mutations: chains.len() as u64 * (mutations / CHAINS), rays: rays.iter().sum() };
         let mean = |of: &[OfChain]| {
             let all: f64 = of.iter().map(|chain| chain.b).sum();
-            let sum = |m: usize, value: fn(&Tail) -> f64| of.iter().map(|c| c.b * value(&c.tails[m])).sum::<f64>();
-            let light = |m| if all > 0.0 { sum(m, |tail| tail.light) / all } else { 0.0 };
-            [0, 1].map(|m| Tail { moment: sum(m, |tail| tail.moment) / CHAINS as f64, light: light(m) })
+            let sums = of.iter().fold(PerMethod::<Tail>::default(), |sums, chain| {
+                sums.zip(chain.tails).map(|(sum, tail)| sum.plus(chain.b, tail))
+            });
+            sums.map(|Tail { moment, light }| Tail {
+                moment: moment / CHAINS as f64,
+                light: if all > 0.0 { light / all } else { 0.0 },
+            })
         };
         (found.chunks(CHAINS as usize).map(mean).collect(), spent)
     }
 
     /// From one chain, which starts at one of some independent samples, drawn in proportion to its importance weight.
-    fn of_chain(&self, part: &LightStratum, largest: [f64; 2], index: u64, mutations: u64) -> OfChain {
+    fn of_chain(&self, part: &LightStratum, largest: PerMethod<f64>, index: u64, mutations: u64) -> OfChain {
         let stream = |purpose| generator(self.seed, purpose, CHAIN_PILOT - 1, index, 0);
         let [mut rng, mut pick, mut steps] = [Purpose::Sample, Purpose::Start, Purpose::Chain].map(stream);
-        let (samples, mut total, mut start) = (mutations.div_ceil(MUTATIONS_A_SAMPLE), 0.0, LightPath::default());
+        let (samples, mut total, mut start) = (mutations.div_ceil(MUTATIONS_PER_SAMPLE), 0.0, LightPath::default());
         for _ in 0..samples {
             part.sample(&mut rng, &mut |path, weight| {
                 let weight = weight * self.importance.eval(path);
@@ -109,30 +117,30 @@ impl<I: Importance<LightPath> + Sync> Tails<'_, I> {
         }
         let mixture = Mixture::new(PathMutation::all(self.view));
         let Some(mut chain) = Chain::new(&mixture, self.importance, part, start) else { return OfChain::default() };
-        let mut tails = [Tail::default(); 2];
+        let mut tails = PerMethod::<Tail>::default();
         for _ in 0..mutations {
             chain.step(&mut Nothing, 0.0, &mut steps);
-            for (tail, here) in tails.iter_mut().zip(self.unmet(chain.current(), largest)) {
-                tail.moment += here.moment / mutations as f64;
-                tail.light += here.light / mutations as f64;
-            }
+            tails = tails.zip(self.unmet(chain.current(), largest)).map(|(tail, here)| Tail {
+                moment: tail.moment + here.moment / mutations as f64,
+                light: tail.light + here.light / mutations as f64,
+            });
         }
         OfChain { b: total / samples as f64, tails }
     }
 
     /// u Σ_{s: v_s > V} v_s² p_s / I and Σ_{s: v_s > V} w_s of both methods.
-    fn unmet(&self, path: &LightPath, largest: [f64; 2]) -> [Tail; 2] {
+    fn unmet(&self, path: &LightPath, largest: PerMethod<f64>) -> PerMethod<Tail> {
         let vertices = path.vertices();
         let ends = Ends::new(path, &self.view, self.lights, 1.0);
-        let density = |s: usize| if mis::connectible(vertices, s) { mis::density(vertices, s, ends) } else { 0.0 };
+        let densities = mis::densities(vertices, ends);
         let contribution = path.contribution().element_sum();
         // Path tracing seldom draws points of the lights for the camera.
         let drawn = path.edges() > 1 || self.view.camera.has_tiny_lights();
-        let of_path = [density(0), if drawn { density(1) } else { 0.0 }];
-        let tails = [
-            beyond(of_path.into_iter(), contribution, largest[0]),
-            beyond((0..vertices.len()).map(density), contribution, largest[1]),
-        ];
+        let of_path = densities.clone().take(1 + usize::from(drawn));
+        let tails = PerMethod {
+            path: beyond(of_path, contribution, largest.path),
+            bidirectional: beyond(densities, contribution, largest.bidirectional),
+        };
         let weight = self.weights[path.pixel as usize] / self.importance.eval(path);
         tails.map(|tail| Tail { moment: weight * tail.moment, ..tail })
     }
@@ -158,7 +166,6 @@ mod tests {
     use crate::transport::methods::independent::ImageSampler;
     use crate::transport::methods::path_tracing::PathTracer;
     use crate::transport::methods::sobol::OwenSobol;
-    use crate::transport::paths::Luminance;
     use crate::transport::tests::worlds::{World, pond, room, rough_metal};
     use glam::{DVec2, DVec3, Vec2};
 
@@ -190,8 +197,10 @@ mod tests {
         let lights = LightStrata::new(view.scene.lights(), Stratification::None);
         let strata = LightStratum::all(&lights, view, MAX_EDGES);
         let of = |seed| {
-            let tails = Tails { view, importance: &Luminance, lights: region, seed, weights };
-            tails.measure(&strata, &[[LARGEST; 2]], 50_000).0[0].map(|tail| tail.moment)
+            let tails = Tails { view, importance: &PixelImportance::default(), lights: region, seed, weights };
+            let PerMethod { path, bidirectional } =
+                tails.measure(&strata, &[PerMethod { path: LARGEST, bidirectional: LARGEST }], 50_000).0[0];
+            [path.moment, bidirectional.moment]
         };
         const SEEDS: u64 = 36;
         let found: Vec<_> = (0..SEEDS).map(of).collect();

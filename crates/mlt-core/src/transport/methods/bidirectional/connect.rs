@@ -8,7 +8,7 @@ use crate::transport::bsdf::Evaluation;
 use crate::transport::geometry::Vertex;
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
-use crate::transport::paths::mis::{Ends, square};
+use crate::transport::paths::mis::{self, Ends, square};
 use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd, PathVertex, emission, scattering};
 use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;
@@ -21,7 +21,7 @@ fn allowed(x: &Vertex, y: &Vertex) -> f64 {
 
 /// Σ_{i > s} (p_i/p_s)², but for λ_s. `eye`: x_s and what follows; `forward`: density of x_s; `pdf`: of the direction from x_s
 /// to x_{s+1}; `ahead`: that sum from two vertices further towards the camera; `preference`: λ_{s+1}. See [`mis`](crate::transport::paths::mis).
-#[inline]
+#[inline(always)]
 fn later_techniques(eye: &[PathVertex], (forward, pdf): (f64, f32), ahead: f64, preference: f64) -> f64 {
     let [x, y, rest @ ..] = eye else { return 0.0 };
     let beyond = match rest.first() {
@@ -33,22 +33,17 @@ fn later_techniques(eye: &[PathVertex], (forward, pdf): (f64, f32), ahead: f64, 
 
 /// Σ_{i < s} (p_i/p_s)², but for λ_s. `light`: x_0 … x_{s−1}; `reverse`: density of x_{s−1}; `pdf`: of the direction from
 /// x_{s−1} to x_{s−2}; `behind`: that sum from two vertices further towards the light.
-#[inline]
+#[inline(always)]
 fn earlier_techniques(light: &[PathVertex], ends: Ends, (reverse, pdf): (f64, f32), behind: f64) -> f64 {
-    let forward = |j: usize| ends.forward(light, j);
-    let connects = |j: usize| match j {
-        0 => 1.0,
-        _ => allowed(&light[j - 1].vertex, &light[j].vertex) * square(ends.preference(j)),
-    };
     let last = light.len() - 1;
     let before = match last.checked_sub(1) {
         None => 0.0,
         Some(j) => {
             let reverse = light[j].per_area_here(pdf);
-            square(reverse / forward(j)) * (connects(j) + behind)
+            square(reverse / ends.forward(light, j)) * (mis::allowed(light, j, ends) + behind)
         }
     };
-    square(reverse / forward(last)) * (connects(last) + before)
+    square(reverse / ends.forward(light, last)) * (mis::allowed(light, last, ends) + before)
 }
 
 impl ImageSampler for Bidirectional<'_> {

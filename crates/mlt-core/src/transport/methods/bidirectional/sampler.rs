@@ -142,6 +142,19 @@ impl Bidirectional<'_> {
         self.with_subpaths(image, rng, |scratch, _| self.connect_all(scratch, area, visit));
     }
 
+    /// As [`sample_through`](Self::sample_through), with the camera subpath alone: its weights are right for paths that no connection
+    /// makes.
+    pub fn sample_met(&self, image: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
+        SCRATCH.with_borrow_mut(|scratch| {
+            self.trace_eye(image, scratch, rng);
+            for t in 2..=scratch.eye.len() {
+                if let Some(weight) = self.connect(scratch, [0, t], area) {
+                    visit(&scratch.path, weight / scratch.eye.carried(t).survival);
+                }
+            }
+        });
+    }
+
     /// As [`sample`](Self::sample), with random numbers for each subpath from a generator of its own.
     pub(crate) fn sample_apart(
         &self,
@@ -235,9 +248,13 @@ impl Bidirectional<'_> {
     }
 
     /// Draws x_0 for the last of the camera's first t vertices, where that has a choice and may be connected.
+    #[inline(always)]
     pub(crate) fn start_near(&self, scratch: &mut Scratch, t: usize) {
+        if !self.region.next_event().has_choice() {
+            return;
+        }
         let x_1 = &scratch.eye.vertices[scratch.eye.vertices.len() - t].vertex;
-        if self.region.next_event().has_choice() && !x_1.delta {
+        if !x_1.delta {
             let (x_0, point, preference) = start_near(&self.view, self.region, x_1, scratch.light_numbers);
             scratch.near.start(1, (x_0, point), self.region.power(), preference);
         }

@@ -116,7 +116,8 @@ impl Pilot<'_> {
                 break;
             }
             let measures = self.measure(&strata, level, tally);
-            let errors: Vec<_> = measures.chunks(self.classes).map(|m| m.iter().map(error).sum::<f64>()).collect();
+            let of_nodes = measures.chunks(self.classes).take(nodes.len());
+            let errors: Vec<_> = of_nodes.map(|m| m.iter().map(error).sum::<f64>()).collect();
             let before = nodes.len();
             nodes = split(&tree, nodes, &errors, most);
             if nodes.len() == before {

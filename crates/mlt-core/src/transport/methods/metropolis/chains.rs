@@ -2,12 +2,13 @@
 
 use super::adapt::{Adaptation, Adapted, Pilot, Weights};
 use super::mutate::PathMutation;
-use super::stratum::{LightStratum, Variant};
+use super::stratum::LightStratum;
+use super::variant::Variant;
 use crate::engine::{MUTATIONS_A_SAMPLE, Metropolis, Mixture, Share, shares_by_power};
 use crate::transport::image::{PixelImportance, error_weights};
-use crate::transport::lights::{LightRegion, LightStrata};
+use crate::transport::lights::{LightRegion, LightStrata, Stratification};
 use crate::transport::methods::run::metropolis;
-use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample, paired};
+use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample, paired, with_met};
 use crate::transport::methods::settings::Settings;
 use crate::transport::methods::target::importance;
 use crate::transport::paths::LightPath;
@@ -31,7 +32,8 @@ impl<'a> PathChains<'a> {
     /// The strata asked for, and their shares as far as a pilot fits them.
     pub(super) fn adapt(&self) -> Adapted {
         let (view, size) = (self.view, self.view.camera.size());
-        let (max_edges, classes) = (self.settings.most_edges(), self.settings.classes);
+        let (max_edges, stratification) = (self.settings.most_edges(), self.settings.stratification);
+        let classes = self.settings.classes;
         let weights = match self.settings.variant {
             Variant::Stratified => self.settings.adaptation.weights,
             // All paths are one stratum.
@@ -41,21 +43,22 @@ impl<'a> PathChains<'a> {
             lights: view.scene.lights(),
             adaptation: Adaptation { weights, ..self.settings.adaptation },
             mutations: self.mutations_per_round(),
-            classes: classes.count(max_edges, view.scene.needs().specular),
+            classes: classes.count(max_edges, view.scene.needs().specular && stratification == Stratification::None),
             mutations_a_sample: mutations_a_sample(view, MUTATIONS_A_SAMPLE),
             by_power: &|parts, mutations| {
                 let strata = LightStratum::product(parts, view, max_edges, classes);
                 shares_by_power(&strata, mutations, mutations_a_sample(view, MUTATIONS_A_SAMPLE))
             },
             measure: &|parts, shares, rounds| {
-                let strata = paired(LightStratum::product(parts, view, max_edges, classes), shares);
-                let mixture = self.mutations();
+                let strata = LightStratum::product(parts, view, max_edges, classes);
+                let shares = with_met(&strata, shares.to_vec());
+                let (strata, mixture) = (paired(strata, &shares), self.mutations());
                 let estimator = self.estimator(&strata, &mixture);
                 let found = estimator.pilot(view.camera.pixels(), rounds, &|image| error_weights(image, size));
                 (found.measures, found.tally)
             },
         };
-        pilot.run(self.settings.stratification)
+        pilot.run(stratification)
     }
 
     /// Shares of a round by power, with as many independent samples as are worth their work, and the rays that this took.

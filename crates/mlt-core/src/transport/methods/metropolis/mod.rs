@@ -3,11 +3,12 @@
 pub(super) mod adapt;
 mod chains;
 pub mod mutate;
-pub(super) mod stratum;
+mod stratum;
+pub(super) mod variant;
 
 use super::counts::PilotCounts;
 use super::run::Run;
-use super::samples::paired;
+use super::samples::{paired, with_met};
 use super::settings::Settings;
 use crate::engine::{Outcome, Share};
 use crate::transport::lights::LightStrata;
@@ -17,7 +18,8 @@ use chains::PathChains;
 
 pub use adapt::{Adaptation, Weights};
 pub use mutate::{PathMutation, Perturbations};
-pub use stratum::{LightStratum, Variant};
+pub use stratum::LightStratum;
+pub use variant::Variant;
 
 /// Stratified Metropolis light transport.
 pub struct PathMetropolis<'a> {
@@ -38,6 +40,7 @@ impl<'a> PathMetropolis<'a> {
             pilot.rays += rays;
             shares
         });
+        let shares = with_met(&chains.strata(&strata), shares);
         Self { chains, strata, shares, pilot }
     }
 

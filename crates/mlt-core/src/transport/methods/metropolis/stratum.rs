@@ -3,36 +3,39 @@
 use crate::engine::{Stratum, uniform_f32};
 use crate::transport::lights::{LightRegion, LightStrata};
 use crate::transport::methods::bidirectional::Bidirectional;
+use crate::transport::paths::mis::{self, Ends, met_by_chance};
 use crate::transport::paths::{Classes, Kinds, LightPath, PathClass};
 use crate::transport::scene::{LightPoint, View};
 use glam::Vec2;
 use rand_pcg::rand_core::Rng;
 
-/// What a stratum restricts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Variant {
-    /// The importance and the bidirectional mutation: I_j is 0 outside Ω_j.
-    #[default]
-    Stratified,
-    /// The bidirectional mutation alone: one chain space Ω, in which the light end is drawn again on the part of the lights
-    /// that the current path starts on.
-    ///
-    /// Source: [Jankauski15], section 6.1.
-    MutationOnly,
-}
-
-/// Ω_j: the paths of one class that start in part j of the lights; with [`Variant::MutationOnly`] all of them.
+/// Ω_j: the paths of one class that start in part j of the lights; with [`Variant::MutationOnly`](super::Variant::MutationOnly) all of them.
 ///
-/// Source: [Jankauski15], section 4.1.
+/// Paths that nothing but a camera subpath meets (L S S E, L S D S E) are strata of their own, not cut by the lights' parts: none
+/// of their light ends can be drawn, and each of K parts would keep a Kth of those that its samples meet.
+///
+/// Source: [Jankauski15], section 4.1; what is met by chance is not cut apart there.
 #[derive(Clone, Copy)]
 pub struct LightStratum<'a> {
     strata: &'a LightStrata,
-    /// `None`: the stratum restricts no light.
-    index: Option<u32>,
+    held: Held,
     class: PathClass,
     /// Whether Ω_j is all of path space, so that no path has to be looked at.
     everything: bool,
     sampler: Bidirectional<'a>,
+}
+
+/// Which paths of its class a stratum holds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Held {
+    /// All; the light end is drawn again within its part.
+    All,
+    /// Those that start in this part of the lights.
+    Part(u32),
+    /// Those of them that some connection makes.
+    Connected(u32),
+    /// Those that no connection makes, wherever they start.
+    Met,
 }
 
 impl<'a> LightStratum<'a> {
@@ -41,12 +44,19 @@ impl<'a> LightStratum<'a> {
         Self::product(strata, view, max_edges, Classes::default())
     }
 
-    /// The products of the lights' parts and of classes.
+    /// The products of the lights' parts and of classes; after them, what is met by chance, where there are several parts and a
+    /// specular surface. Its lengths are one class.
     pub fn product(strata: &'a LightStrata, view: View<'a>, max_edges: usize, classes: Classes) -> Vec<Self> {
-        let classes = classes.all(max_edges, view.scene.needs().specular);
-        let parts = 0..strata.regions().len();
-        let of = |index| classes.iter().map(move |&class| Self::new(strata, index, class, view, max_edges));
-        parts.flat_map(of).collect()
+        let specular = view.scene.needs().specular;
+        let apart = specular && strata.regions().len() > 1;
+        let of_part = |index: usize| {
+            let held = if apart { Held::Connected(index as u32) } else { Held::Part(index as u32) };
+            let of_class = move |class| Self::new(strata, (held, &strata.regions()[index]), class, view, max_edges);
+            classes.all(max_edges, specular && !apart).into_iter().map(of_class)
+        };
+        let met = apart.then(|| Classes { lengths: false, ..classes }.all(max_edges, false)).into_iter().flatten();
+        let met = met.map(|class| Self::new(strata, (Held::Met, strata.whole()), class, view, max_edges));
+        (0..strata.regions().len()).flat_map(of_part).chain(met).collect()
     }
 
     /// The paths of some kinds in each of the lights' parts, where there are any kinds.
@@ -57,21 +67,27 @@ impl<'a> LightStratum<'a> {
 
     /// The paths of some kinds in one of the lights' parts.
     pub fn of_part(strata: &'a LightStrata, index: usize, kinds: Kinds, view: View<'a>, max_edges: usize) -> Self {
-        Self::new(strata, index, PathClass::of_kinds(kinds), view, max_edges)
+        let part = (Held::Part(index as u32), &strata.regions()[index]);
+        Self::new(strata, part, PathClass::of_kinds(kinds), view, max_edges)
     }
 
-    fn new(strata: &'a LightStrata, index: usize, class: PathClass, view: View<'a>, max_edges: usize) -> Self {
-        let region = &strata.regions()[index];
+    fn new(
+        strata: &'a LightStrata,
+        (held, region): (Held, &'a LightRegion),
+        class: PathClass,
+        view: View<'a>,
+        max_edges: usize,
+    ) -> Self {
         let sampler = Bidirectional { view, region, max_edges: class.kinds.most_edges(max_edges) };
         let everything = strata.regions().len() == 1 && class == PathClass::of_kinds(Kinds::ALL);
-        Self { strata, index: Some(index as u32), class, everything, sampler }
+        Self { strata, held, class, everything, sampler }
     }
 
     /// All paths in one stratum whose chains change the light end within the parts of `strata`. `whole`: all lights.
     pub fn mutation_only(strata: &'a LightStrata, whole: &'a LightRegion, view: View<'a>, max_edges: usize) -> Self {
         let class = PathClass::of_kinds(Kinds::ALL);
         let sampler = Bidirectional { view, region: whole, max_edges };
-        Self { strata, index: None, class, everything: true, sampler }
+        Self { strata, held: Held::All, class, everything: true, sampler }
     }
 
     /// Where x_0 is drawn.
@@ -81,16 +97,16 @@ impl<'a> LightStratum<'a> {
 
     /// Where the light end of a path that starts at `point` is drawn again.
     pub fn region_at(&self, point: &LightPoint) -> &'a LightRegion {
-        match self.index {
-            Some(_) => self.sampler.region,
-            None => &self.strata.regions()[self.strata.index(point) as usize],
+        match self.held {
+            Held::All => &self.strata.regions()[self.strata.index(point) as usize],
+            _ => self.sampler.region,
         }
     }
 
     /// Whether [`region_at`](Self::region_at) is the same for both points, for points of this stratum.
     #[inline]
     pub fn same_region(&self, a: &LightPoint, b: &LightPoint) -> bool {
-        self.index.is_some() || self.strata.index(a) == self.strata.index(b)
+        self.held != Held::All || self.strata.index(a) == self.strata.index(b)
     }
 
     /// Scene and camera.
@@ -117,6 +133,11 @@ impl<'a> LightStratum<'a> {
         self.class.area()
     }
 
+    /// Whether it holds what is met by chance, and nothing else.
+    pub fn is_met(&self) -> bool {
+        self.held == Held::Met
+    }
+
     /// Most edges of a path.
     pub fn max_edges(&self) -> usize {
         self.sampler.max_edges
@@ -126,22 +147,81 @@ impl<'a> LightStratum<'a> {
 impl Stratum<LightPath> for LightStratum<'_> {
     #[inline]
     fn contains(&self, path: &LightPath) -> bool {
-        let on_lights = || self.index == Some(self.strata.index(path.light()));
-        self.everything || on_lights() && self.class.contains(path)
+        let met = || met_by_chance(path.vertices());
+        let held = || match self.held {
+            Held::All => true,
+            Held::Part(index) => index == self.strata.index(path.light()),
+            Held::Connected(index) => index == self.strata.index(path.light()) && !met(),
+            Held::Met => met(),
+        };
+        self.everything || held() && self.class.contains(path)
     }
 
     /// The camera subpath passes the class's part of the image, which makes its density that of a uniform point over the
     /// part's area; a light subpath that is connected to the camera itself may cross the image anywhere.
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         let (image, area) = (self.image_point(rng), self.image_area());
-        self.sampler.sample_through(image, area, rng, &mut |path, weight| {
+        let mut show = |path: &LightPath, weight: f64| {
             if self.contains(path) {
                 visit(path, weight);
             }
-        });
+        };
+        match self.held {
+            Held::Met => self.sampler.sample_met(image, area, rng, &mut show),
+            _ => self.sampler.sample_through(image, area, rng, &mut show),
+        }
     }
 
+    fn density(&self, path: &LightPath) -> f64 {
+        let Bidirectional { view, region, .. } = &self.sampler;
+        let ends = Ends::new(path, view, region, self.image_area());
+        mis::densities(path.vertices(), ends).sum()
+    }
+
+    /// What is met by chance counts as much as an average part of the lights.
     fn power(&self) -> f64 {
-        self.sampler.region.power() * self.image_area()
+        let parts = if self.is_met() { self.strata.regions().len() } else { 1 };
+        self.sampler.region.power() / parts as f64 * self.image_area()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Purpose, generator};
+    use crate::transport::lights::Stratification;
+    use crate::transport::tests::worlds::{lamps, room, rough_metal};
+
+    /// E[Σ 1] over the states that a sample shows, and by their weights and the density that a stratum tells, E[Σ w/p · q]:
+    /// z of their difference. Paths of three edges are too short for roulette.
+    fn z(drawn: &LightStratum, told: &LightStratum) -> f64 {
+        let n = 40_000;
+        let difference = |i: u64| {
+            let mut difference = 0.0;
+            drawn.sample(&mut generator(7, Purpose::Sample, 0, 0, i), &mut |path, weight| {
+                difference += weight * told.density(path) - 1.0;
+            });
+            difference
+        };
+        let (sum, squares) = (0..n).map(difference).fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
+        let mean = sum / n as f64;
+        mean / ((squares / n as f64 - mean * mean) / n as f64).sqrt()
+    }
+
+    #[test]
+    fn a_sample_shows_states_as_often_as_their_density_says() {
+        for world in [room(rough_metal(), false), lamps()] {
+            let view = world.view();
+            let lights = |stratification| LightStrata::new(view.scene.lights(), stratification);
+            let (whole, halves) = (lights(Stratification::None), lights(Stratification::Grid(2, 1)));
+            let [whole, halves] = [&whole, &halves].map(|strata| LightStratum::all(strata, view, 3));
+            for stratum in [&whole[0], &halves[0]] {
+                let found = z(stratum, stratum);
+                assert!(found.abs() < 4.0, "{found}");
+            }
+            // The negative control: the density of samples on twice as large a part of the lights.
+            let wrong = z(&halves[0], &whole[0]);
+            assert!(wrong.abs() > 4.0, "{wrong}");
+        }
     }
 }

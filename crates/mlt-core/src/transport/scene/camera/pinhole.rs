@@ -54,7 +54,7 @@ pub struct CameraRay {
 
 impl CameraRay {
     /// Its direction, a unit vector.
-    #[inline]
+    #[inline(always)]
     pub fn direction(&self) -> Vec3A {
         self.step.normalize()
     }
@@ -116,7 +116,7 @@ impl Camera {
     }
 
     /// The ray through a film point, given in [0, 1)² from the top left corner.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, film: Vec2) -> CameraRay {
         let p = 2.0 * film - Vec2::ONE;
         let step = self.vertex.geometric_normal + p.x * self.right + p.y * self.down;
@@ -124,7 +124,7 @@ impl Camera {
     }
 
     /// The film point that a direction from a vertex on the lens passes through; `None` outside the image.
-    #[inline]
+    #[inline(always)]
     pub fn project(&self, lens: &Vertex, direction: Vec3A) -> Option<Vec2> {
         let cos = lens.geometric_normal.dot(direction);
         let film = Vec2::new(direction.dot(self.across), direction.dot(self.along)) / cos + 0.5;
@@ -144,14 +144,14 @@ impl Camera {
     /// distance 1.
     ///
     /// Source: [PharrJakobHumphreys16], section 16.1.1.
-    #[inline]
+    #[inline(always)]
     pub fn w_e(&self, lens: &Vertex, direction: Vec3A) -> f32 {
         let cos = lens.geometric_normal.dot(direction);
         1.0 / (self.area * cos * cos * cos * cos)
     }
 
     /// Density per unit solid angle of the direction from a vertex on the lens through a uniform film point, sr⁻¹: 1/(A cos³θ).
-    #[inline]
+    #[inline(always)]
     pub fn pdf(&self, lens: &Vertex, direction: Vec3A) -> f32 {
         let cos = lens.geometric_normal.dot(direction);
         1.0 / (self.area * cos * cos * cos)

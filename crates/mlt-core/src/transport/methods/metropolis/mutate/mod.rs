@@ -5,6 +5,7 @@ mod caustic;
 mod follow;
 mod lens;
 mod multi_chain;
+pub(in crate::transport::methods) mod perturbations;
 #[cfg(test)]
 mod tests;
 
@@ -18,6 +19,7 @@ pub use bidirectional::BidirectionalMutation;
 pub use caustic::CausticPerturbation;
 pub use lens::LensPerturbation;
 pub use multi_chain::MultiChainPerturbation;
+pub use perturbations::Perturbations;
 
 /// One of the mutations, chosen without a virtual call.
 #[derive(Clone, Copy)]
@@ -30,31 +32,6 @@ pub enum PathMutation<'a> {
     Caustic(CausticPerturbation<'a>),
     /// Moves the path on the image and turns what lies behind.
     MultiChain(MultiChainPerturbation<'a>),
-}
-
-/// The perturbations that go with the bidirectional mutation. It goes alone if need be: it reaches every path by itself, and they
-/// do not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Perturbations {
-    /// [`LensPerturbation`].
-    pub lens: bool,
-    /// [`MultiChainPerturbation`].
-    pub multi_chain: bool,
-    /// [`CausticPerturbation`].
-    pub caustic: bool,
-}
-
-impl Perturbations {
-    /// None of them.
-    pub const NONE: Self = Self { lens: false, multi_chain: false, caustic: false };
-    /// All of them.
-    pub const ALL: Self = Self { lens: true, multi_chain: true, caustic: true };
-}
-
-impl Default for Perturbations {
-    fn default() -> Self {
-        Self::ALL
-    }
 }
 
 impl<'a> PathMutation<'a> {

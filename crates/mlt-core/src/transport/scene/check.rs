@@ -1,0 +1,62 @@
+//! What a scene must have, and what it is better without.
+
+use super::Scene;
+use super::description::SceneDescription;
+use crate::transport::geometry::Mesh;
+
+/// What makes a scene unusable.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UnusableScene {
+    /// There is nothing to see.
+    #[error("the scene has no triangle")]
+    NoTriangle,
+    /// There is nothing to see it by.
+    #[error("the scene has no light: give a material an emission (glTF emissiveFactor, MTL Ke)")]
+    NoLight,
+    /// A mesh refers to a vertex or material that does not exist.
+    #[error("mesh \"{mesh}\" refers to {what} {index}, which does not exist")]
+    BadIndex {
+        /// Name of the mesh.
+        mesh: String,
+        /// "vertex" or "material".
+        what: &'static str,
+        /// The index.
+        index: usize,
+    },
+    /// More triangles than a 32-bit index can name.
+    #[error("the scene has {0} triangles; at most {max} are supported", max = Scene::MOST_TRIANGLES)]
+    TooLarge(usize),
+}
+
+/// Whether all that a description refers to is there.
+pub(super) fn check(description: &SceneDescription) -> Result<(), UnusableScene> {
+    let total: usize = description.meshes.iter().map(|m| m.triangles.len()).sum();
+    if total > Scene::MOST_TRIANGLES {
+        return Err(UnusableScene::TooLarge(total));
+    }
+    for mesh in &description.meshes {
+        let bad = |what, index: u32| UnusableScene::BadIndex { mesh: mesh.name.clone(), what, index: index as usize };
+        if mesh.material as usize >= description.materials.len() {
+            return Err(bad("material", mesh.material));
+        }
+        if let Some(&i) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= mesh.positions.len()) {
+            return Err(bad("vertex", i));
+        }
+    }
+    Ok(())
+}
+
+/// Drops meshes of opacity 0: no surface is there.
+pub(super) fn drop_invisible(description: &mut SceneDescription) {
+    let SceneDescription { meshes, materials, .. } = description;
+    meshes.retain(|mesh| materials[mesh.material as usize].opacity > 0.0);
+}
+
+/// Drops triangles with a corner that is not finite; returns how many.
+pub(super) fn drop_unusable(mesh: &mut Mesh) -> usize {
+    let before = mesh.triangles.len();
+    let Mesh { positions, triangles, .. } = mesh;
+    triangles.retain(|t| t.iter().all(|&i| positions[i as usize].is_finite()));
+    before - triangles.len()
+}
