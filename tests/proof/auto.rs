@@ -84,7 +84,7 @@ fn means_of_mixtures(world: &World) -> Vec<(f64, f64, f64)> {
     let of_seed = |seed| {
         let strata = LightStrata::new(world.scene.lights(), Whole);
         // Few samples for b, so that the error that pixels have in common is not small.
-        let shares = vec![Share { mutations: 4000, samples: 4 }];
+        let shares = vec![Share { mutations: 16_000, samples: 16 }];
         let plan = Plan::new(strata, (Sampler::Path { branches: 1 }, 256.0), vec![Kinds::SEEN.others()], shares);
         let settings = settings(Method::Auto, Whole, 1.0).with(|s| s.seed = seed);
         let renderer = Renderer::with_plan(view, settings, plan);

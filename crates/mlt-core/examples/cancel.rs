@@ -69,6 +69,10 @@ impl Stratum<X> for Line {
         visit(&X(uniform(rng)), 1.0);
     }
 
+    fn density(&self, _: &X) -> f64 {
+        1.0
+    }
+
     fn power(&self) -> f64 {
         1.0
     }

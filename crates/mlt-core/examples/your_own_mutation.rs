@@ -36,6 +36,10 @@ impl Stratum<X> for Line {
         visit(&X(1.0 - uniform(rng)), 1.0);
     }
 
+    fn density(&self, _: &X) -> f64 {
+        1.0
+    }
+
     fn power(&self) -> f64 {
         1.0
     }

@@ -36,6 +36,11 @@ impl Stratum<Point> for Ring {
         }
     }
 
+    /// The density of such samples, where a chain may ask for it.
+    fn density(&self, _: &Point) -> f64 {
+        1.0 / (std::f64::consts::PI * (self.high - self.low))
+    }
+
     /// What is known of b_j before anything is measured.
     fn power(&self) -> f64 {
         self.high - self.low

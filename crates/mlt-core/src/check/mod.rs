@@ -27,6 +27,9 @@
 //!         let width = self.high - self.low;
 //!         visit(&(self.low + width * uniform(rng)), width);
 //!     }
+//!     fn density(&self, _: &f64) -> f64 {
+//!         1.0 / (self.high - self.low)
+//!     }
 //!     fn power(&self) -> f64 {
 //!         1.0
 //!     }

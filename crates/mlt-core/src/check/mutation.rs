@@ -185,6 +185,10 @@ mod tests {
             visit(&X { x, stain: 0.0 }, 0.5 / x);
         }
 
+        fn density(&self, x: &X) -> f64 {
+            2.0 * x.x
+        }
+
         fn power(&self) -> f64 {
             1.0
         }

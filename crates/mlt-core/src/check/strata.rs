@@ -110,6 +110,10 @@ mod tests {
             visit(&(x + self.beside), width * (1.0 + self.too_bright));
         }
 
+        fn density(&self, _: &f64) -> f64 {
+            1.0 / (self.high - self.low)
+        }
+
         fn power(&self) -> f64 {
             1.0
         }

@@ -17,7 +17,8 @@ pub struct Chain<'a, P, S, M, I> {
     half: Half,
     pending: f64,
     rejections: Rejections,
-    strays: Strays<P>,
+    /// The first proposal outside the stratum.
+    stray: Option<P>,
     stats: StratumStats,
 }
 
@@ -53,7 +54,7 @@ where
             half: Half::default(),
             pending: 0.0,
             rejections: Rejections { of_any: 0, of_each: vec![0; mixture.mutations().len()] },
-            strays: Strays { count: 0, kept: Vec::new() },
+            stray: None,
             stats: StratumStats::new(mixture.mutations().len()),
         })
     }
@@ -63,9 +64,9 @@ where
         &self.current.path
     }
 
-    /// Some of the proposals that lay outside the stratum: the first, second, fourth, eighth and so on.
-    pub fn strays(&self) -> &[P] {
-        &self.strays.kept
+    /// The first proposal that lay outside the stratum.
+    pub fn stray(&self) -> Option<&P> {
+        self.stray.as_ref()
     }
 
     /// One Metropolis–Hastings step; deposits both states by expected value, times `scale`.
@@ -140,7 +141,7 @@ where
 
     /// Writes a proposal; where there is none that could be accepted, which is counted here, the mutation that failed.
     fn propose(&mut self, rng: &mut impl Rng) -> Result<Candidate, Option<usize>> {
-        let Self { mixture, importance, stratum, current, proposal, strays, stats, .. } = self;
+        let Self { mixture, importance, stratum, current, proposal, stray, stats, .. } = self;
         let Some(mutation) = current.suitabilities.choose(rng) else {
             stats.idle += 1;
             return Err(None);
@@ -154,7 +155,9 @@ where
         proposal.importance = if stratum.contains(&proposal.path) {
             importance.eval(&proposal.path)
         } else {
-            strays.add(&proposal.path);
+            if stray.is_none() {
+                *stray = Some(proposal.path.clone());
+            }
             0.0
         };
         let flow = proposal.importance * ratio;
@@ -190,22 +193,6 @@ struct Rejections {
     of_any: u64,
     /// Of each mutation's proposals.
     of_each: Vec<u64>,
-}
-
-/// Proposals outside the stratum.
-struct Strays<P> {
-    count: u64,
-    kept: Vec<P>,
-}
-
-impl<P: Clone> Strays<P> {
-    #[inline]
-    fn add(&mut self, path: &P) {
-        self.count += 1;
-        if self.count.is_power_of_two() {
-            self.kept.push(path.clone());
-        }
-    }
 }
 
 /// A proposal that the chain may accept.

@@ -152,13 +152,11 @@ where
         self.strata.iter().filter(|(stratum, _)| stratum.contains(path)).count()
     }
 
-    /// Where the proposals lie that left the stratum of a chain.
-    fn strays(&self, strays: &[P]) -> Coverage {
+    /// Where a proposal lies that left the stratum of its chain.
+    fn outside(&self, path: &P) -> Coverage {
         let mut coverage = Coverage::default();
-        for path in strays {
-            let strata = self.strata_of(path);
-            coverage.add_stray(strata, strata == 0 && !self.partial && self.importance.eval(path) > 0.0);
-        }
+        let strata = self.strata_of(path);
+        coverage.add_stray(strata, strata == 0 && !self.partial && self.importance.eval(path) > 0.0);
         coverage
     }
 
@@ -224,7 +222,8 @@ where
                 }
                 chain.flush(deposits, scale);
                 let is_due = self.is_looked_at(prepared.round, stratum, index);
-                let coverage = if is_due { self.strays(chain.strays()) } else { Coverage::default() };
+                let stray = chain.stray().filter(|_| is_due);
+                let coverage = stray.map(|path| self.outside(path)).unwrap_or_default();
                 stats = StratumStats { coverage, ..chain.into_stats() };
             }
             None => stats.refused_starts = 1,

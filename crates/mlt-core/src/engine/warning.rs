@@ -224,6 +224,10 @@ mod tests {
             visit(&X(self.samples_from + width * uniform(rng)), width);
         }
 
+        fn density(&self, _: &X) -> f64 {
+            1.0 / (self.high - self.low)
+        }
+
         fn power(&self) -> f64 {
             1.0
         }
@@ -351,6 +355,10 @@ mod tests {
         fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&X, f64)) {
             let drawn = if self.hidden { self.drawn.fetch_add(1, Ordering::Relaxed) % 7 } else { 0 };
             visit(&X((uniform(rng) + f64::from(drawn) / 7.0).rem_euclid(1.0)), 1.0);
+        }
+
+        fn density(&self, _: &X) -> f64 {
+            1.0
         }
 
         fn power(&self) -> f64 {
