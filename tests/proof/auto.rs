@@ -77,14 +77,14 @@ fn every_way_to_share_path_space_out_gives_the_same_image() {
     }
 }
 
-/// Means of the image over 32 seeds, each with the standard error of the mean and the root of the sum of the pixels' squared errors.
+/// Means of the image over 96 seeds, each with the standard error of the mean and the root of the sum of the pixels' squared errors.
 fn means_of_mixtures(world: &World) -> Vec<(f64, f64, f64)> {
     let camera = world.camera(SIZE);
     let view = View { scene: &world.scene, camera: &camera };
     let of_seed = |seed| {
         let strata = LightStrata::new(world.scene.lights(), Whole);
         // Few samples for b, so that the error that pixels have in common is not small.
-        let shares = vec![Share { mutations: 16_000, samples: 16 }];
+        let shares = vec![Share { mutations: 4000, samples: 64 }];
         let plan = Plan::new(strata, (Sampler::Path { branches: 1 }, 256.0), vec![Kinds::SEEN.others()], shares);
         let settings = settings(Method::Auto, Whole, 1.0).with(|s| s.seed = seed);
         let renderer = Renderer::with_plan(view, settings, plan);
@@ -94,7 +94,7 @@ fn means_of_mixtures(world: &World) -> Vec<(f64, f64, f64)> {
         let Pixel { mean, stderr } = mean_luminance(&film);
         (mean, stderr, own.sqrt() / f64::from(film.sites()))
     };
-    (0..32).into_par_iter().map(of_seed).collect()
+    (0..96).into_par_iter().map(of_seed).collect()
 }
 
 /// Σ (b − b̄)² over the mean squared error that was told is χ² with one degree of freedom less than there are seeds.
