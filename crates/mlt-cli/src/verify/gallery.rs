@@ -135,7 +135,7 @@ pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
     );
     let methods: Vec<String> = court.methods.iter().map(Variant::to_string).collect();
     page += "- **passes**: no fault was found, and an error of 1 % of the image, or 10 % of a region, would have been.\n\
-             - **slow**: no fault was found, but errors up to the figures (image, region) would not have been seen.\n\
+             - **inconclusive**: no fault was found, but errors up to the figures (image, region) would not have been seen.\n\
              - **fails**: in the words of the list below the table. *wrong*: another image than the reference's; *unsteady*: the \
              worst seed's relMSE is\n  more than 3 times the median's; *bars*: 95 % error bars hold the truth in less than 90 % of \
              pixels; *rounds*, *b*, *seeds*: chains,\n  normalisations or random numbers that are not independent.\n\n";
@@ -154,8 +154,8 @@ pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
 
 fn cell(verdict: &Verdict) -> String {
     match (&verdict.bias, verdict.status) {
-        (Some(bias), Status::Slow) => {
-            format!("slow ({:.1} %, {:.0} %)", 100.0 * bias.visible, 100.0 * bias.visible_in_regions)
+        (Some(bias), Status::Inconclusive) => {
+            format!("inconclusive ({:.1} %, {:.0} %)", 100.0 * bias.visible, 100.0 * bias.visible_in_regions)
         }
         (_, Status::Fails) => {
             let words: Vec<&str> = verdict.faults.iter().map(|fault| fault.word.as_str()).collect();

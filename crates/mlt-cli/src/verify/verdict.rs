@@ -27,7 +27,7 @@ pub enum Status {
     /// No fault was found, and one would have been.
     Passes,
     /// No fault was found, but small ones would not have been.
-    Slow,
+    Inconclusive,
     /// There is a fault.
     Fails,
 }
@@ -37,7 +37,7 @@ impl Status {
     pub fn word(self) -> &'static str {
         match self {
             Self::Passes => "passes",
-            Self::Slow => "slow",
+            Self::Inconclusive => "inconclusive",
             Self::Fails => "fails",
         }
     }
@@ -115,7 +115,7 @@ pub fn judge(names: Names, evidence: &Evidence, detect: f64, moved: Option<f64>)
         warnings: warnings(evidence),
     };
     if evidence.is_black() {
-        verdict.status = Status::Slow;
+        verdict.status = Status::Inconclusive;
         verdict.remarks.push("the image is black in every replica of both methods".into());
         return verdict;
     }
@@ -125,7 +125,7 @@ pub fn judge(names: Names, evidence: &Evidence, detect: f64, moved: Option<f64>)
     verdict.remarks.extend(unseen(&bias, detect));
     verdict.status = match (verdict.faults.is_empty(), verdict.remarks.is_empty()) {
         (false, _) => Status::Fails,
-        (true, false) => Status::Slow,
+        (true, false) => Status::Inconclusive,
         (true, true) => Status::Passes,
     };
     (verdict.bias, verdict.chains, verdict.errors) = (Some(bias), Some(chains), Some(errors));
@@ -221,7 +221,7 @@ impl Verdict {
         let reasons = self.reasons();
         match self.status {
             Status::Passes => format!("{scene}: {method} can be trusted"),
-            Status::Slow => format!("{scene}: {method} cannot be judged: {}", reasons),
+            Status::Inconclusive => format!("{scene}: {method} cannot be judged: {}", reasons),
             Status::Fails => format!("{scene}: {method} cannot be trusted: {}", reasons),
         }
     }
