@@ -50,6 +50,16 @@ pub fn scenes(options: &VerifyOptions) -> Result<Vec<&'static Scene>, Failure> {
 /// Strata that a pilot finds are another way to work, with failures of its own.
 const STRATIFIED: &str = "mlt:auto:weights=adaptive";
 
+/// The words of faults, and their meaning.
+const FAULTS: [(&str, &str); 6] = [
+    ("wrong", "another image than the reference's"),
+    ("unsteady", "the worst seed's relMSE is more than 3 times the median's"),
+    ("bars", "95 % error bars hold the truth in less than 90 % of pixels"),
+    ("rounds", "rounds of a render are not independent"),
+    ("b", "the normalisations b are less certain than they say"),
+    ("seeds", "replicas with different seeds are the same image"),
+];
+
 /// Every method there is.
 pub fn all_methods() -> Result<Vec<Variant>, Failure> {
     let names = Method::value_variants().iter().map(|method| value_name(*method)).chain([STRATIFIED.to_owned()]);
@@ -126,11 +136,12 @@ fn fingerprint(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// docs/stability.md.
+/// The page docs/stability.md.
 pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
     let mut page = format!(
-        "# Where methods fail\n\nWritten by `mlt verify --gallery -o FOLDER` (FOLDER/stability.md); see [verify.md](verify.md) for \
-         what it tests.\nFor each scene and method: {}.\n\n",
+        "# Where methods fail\n\n{}\nWritten by `mlt verify --gallery -o FOLDER` (FOLDER/stability.md); [verify.md](verify.md) says what \
+         it tests, and [gallery.md](gallery.md) shows the scenes.\nFor each scene and method: {}.\n\n",
+        in_short(verdicts),
         court.identity()
     );
     let methods: Vec<String> = court.methods.iter().map(Variant::to_string).collect();
@@ -139,6 +150,7 @@ pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
              - **fails**: in the words of the list below the table. *wrong*: another image than the reference's; *unsteady*: the \
              worst seed's relMSE is\n  more than 3 times the median's; *bars*: 95 % error bars hold the truth in less than 90 % of \
              pixels; *rounds*, *b*, *seeds*: chains,\n  normalisations or random numbers that are not independent.\n\n";
+    page += "## Verdicts\n\n";
     page += &format!("| scene | what is hard | {} |\n|---|---|{}\n", methods.join(" | "), "---|".repeat(methods.len()));
     for scene in scenes {
         let of = |method: &String| verdicts.iter().find(|v| v.scene == scene.name && v.method == *method);
@@ -150,6 +162,24 @@ pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
         page += &format!("- {} × {}: {}.\n", verdict.scene, verdict.method, verdict.reasons());
     }
     page + &figures(verdicts)
+}
+
+/// Numbers of verdicts and of faults, and the meaning of the words.
+fn in_short(verdicts: &[Verdict]) -> String {
+    let of = |status| verdicts.iter().filter(|verdict| verdict.status == status).count();
+    let faulty = |word| verdicts.iter().filter(|verdict| verdict.faults.iter().any(|fault| fault.word == word)).count();
+    let meanings = FAULTS.map(|(word, meaning)| format!("  - *{word}*, {} of them: {meaning}.\n", faulty(word)));
+    format!(
+        "Each method renders each scene many times, and is compared with another method. Of {} verdicts:\n\n\
+         - **passes**, {}: no fault was found, and an error of 1 % of the image, or 10 % of a region, would have been.\n\
+         - **inconclusive**, {}: no fault was found, but errors up to the figures (image, region) would not have been seen.\n\
+         - **fails**, {}, by one or more of these faults:\n{}",
+        verdicts.len(),
+        of(Status::Passes),
+        of(Status::Inconclusive),
+        of(Status::Fails),
+        meanings.concat()
+    )
 }
 
 fn cell(verdict: &Verdict) -> String {

@@ -208,7 +208,7 @@ impl PathTracer<'_> {
             scene.surface(&walk.vertex).sample_to_light(walk.to_eye, rng)?;
         walk.throughput *= weight;
         if walk.edges >= CERTAIN_BOUNCES {
-            // The root makes paths longer than their throughput alone: less noise for the time (docs/performance.md).
+            // The root makes paths longer than their throughput alone: less noise for the time (docs/log/performance.md).
             let survival = walk.throughput.max_element().sqrt().clamp(SURVIVAL.0, SURVIVAL.1);
             if uniform_f32(rng) >= survival {
                 return None;
