@@ -8,7 +8,7 @@ use std::f32::consts::{PI, TAU};
 pub struct Stage {
     /// For tables.
     pub name: &'static str,
-    /// What rays hit.
+    /// The geometry that rays hit.
     pub triangles: Vec<[Vec3; 3]>,
     /// The camera.
     pub eye: Eye,

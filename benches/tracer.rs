@@ -1,4 +1,4 @@
-//! What the benchmarks of rays compare: anything that finds hits.
+//! Tracers, which the benchmarks of rays compare: anything that finds hits.
 
 use glam::{Vec3, Vec3A};
 use mlt_core::transport::accel::Accel;

@@ -67,7 +67,7 @@ fn open(chromium: &Path, folder: &TempDir, page: &str) -> Output {
         .expect("Chromium starts")
 }
 
-/// What the page wrote to the console.
+/// The page's output on the console.
 fn console(output: &Output) -> Vec<String> {
     let text = String::from_utf8_lossy(&output.stderr);
     text.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect()

@@ -7,7 +7,7 @@ use std::{
 
 use serde_json::Value;
 
-/// What one render said.
+/// Report of one render.
 pub struct Render {
     /// The report that `--json` prints.
     pub report: Value,
@@ -42,7 +42,7 @@ pub fn render(name: &str, arguments: &str) -> Render {
     Render { report: serde_json::from_slice(&output.stdout).expect("JSON on standard output"), said }
 }
 
-/// What the program says of a file that it must refuse, on standard error.
+/// Message of the program about a file that it must refuse, on standard error.
 pub fn refusal(name: &str, arguments: &str) -> String {
     let output = run(name, arguments);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();

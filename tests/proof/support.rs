@@ -107,7 +107,7 @@ pub fn metropolis(world: &World, size: [u32; 2], cut: Stratification, per_pixel:
     metropolis_in(world, size, (cut, |_| true), per_pixel, rounds)
 }
 
-/// What some of the strata contribute to [`metropolis`], replica by replica.
+/// Contribution of some of the strata to [`metropolis`], replica by replica.
 pub fn metropolis_in(
     world: &World,
     size: [u32; 2],

@@ -57,7 +57,7 @@ impl Drop for Progress {
     }
 }
 
-/// What is known, side by side.
+/// The figures known so far, side by side.
 fn message(left: Option<Duration>, rate: &str, error: Option<f64>) -> String {
     let left = left.map(|left| format!("{:#} left", HumanDuration(left)));
     let error = error.map(|error| format!("error {:.2} %", error * 100.0));

@@ -1,4 +1,4 @@
-//! What the machine has: memory left, processor time used.
+//! Resources of the machine: memory left, processor time used.
 
 use std::fs;
 
@@ -43,13 +43,13 @@ fn available_memory() -> Option<u64> {
     [Some(system), control_group_rest(), address_space, data].into_iter().flatten().min()
 }
 
-/// What is left of an address space when the threads of two pools have taken theirs, or half of it if that is more.
+/// Rest of an address space when the threads of two pools have taken theirs, or half of it if that is more.
 fn beside_threads(bytes: u64) -> u64 {
     let threads = 2 * std::thread::available_parallelism().map_or(1, usize::from) as u64;
     bytes.saturating_sub(threads * ADDRESSES_PER_THREAD).max(bytes / 2)
 }
 
-/// What a limit of the process leaves beside what it holds of that kind.
+/// Rest under a limit of the process, beside what it holds of that kind.
 fn process_rest(limit: &str, held: &str) -> Option<u64> {
     let number = |text: &str| text.split_whitespace().next()?.parse::<u64>().ok();
     let line = |file: &str, key: &str| {
@@ -66,7 +66,7 @@ fn available_in_meminfo(meminfo: &str) -> Option<u64> {
     kibibytes.checked_mul(1024)
 }
 
-/// What a container's memory limit leaves, page cache that the kernel can drop counted as free.
+/// Rest under a container's memory limit; page cache that the kernel can drop counts as free.
 fn control_group_rest() -> Option<u64> {
     let read = |name: &str| fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?.trim().parse::<u64>().ok();
     let reclaimable = fs::read_to_string("/sys/fs/cgroup/memory.stat")

@@ -41,7 +41,7 @@ impl Stratum<Point> for Ring {
         1.0 / (std::f64::consts::PI * (self.high - self.low))
     }
 
-    /// What is known of b_j before anything is measured.
+    /// Guess of b_j before anything is measured.
     fn power(&self) -> f64 {
         self.high - self.low
     }

@@ -51,7 +51,7 @@ impl RngCore for Recorded<'_> {
     }
 }
 
-/// What a path brings, and where.
+/// Contribution of a path, and its pixel.
 #[derive(Clone, Default)]
 struct Radiance {
     pixel: u32,

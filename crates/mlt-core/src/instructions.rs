@@ -36,9 +36,9 @@ pub enum InstructionSet {
     Avx2(Avx2),
 }
 
-/// What may be compiled for each instruction set.
+/// Code that may be compiled for each instruction set.
 pub trait Work {
-    /// What comes of it.
+    /// Type of its result.
     type Outcome;
 
     /// Does it. Implementations are `#[inline(always)]`, as is what they call where it shall be compiled so too.

@@ -1,4 +1,4 @@
-//! What can be wrong with a scene file.
+//! Errors of scene files.
 
 use crate::builtin::BUILTIN;
 use mlt_core::memory::Shortage;
@@ -22,7 +22,7 @@ pub enum SceneError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// The operating system's error.
         cause: io::Error,
     },
     /// A folder, a device or a pipe.
@@ -54,9 +54,9 @@ pub enum SceneError {
         path: PathBuf,
         /// The element at fault.
         place: String,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// Geometry in an encoding that is not read.
@@ -87,7 +87,7 @@ pub enum SceneError {
         path: PathBuf,
         /// The element at fault.
         place: String,
-        /// What there is too much of.
+        /// The thing that there is too much of.
         what: &'static str,
         /// How much is read at most.
         limit: u64,
@@ -97,7 +97,7 @@ pub enum SceneError {
     Memory {
         /// The file.
         path: PathBuf,
-        /// What the memory is for.
+        /// The purpose of the memory.
         what: String,
         /// How much is missing.
         shortage: Shortage,

@@ -38,7 +38,7 @@ pub use text::{MOST_OF_A_MESSAGE, printable};
 pub struct Loaded {
     /// The file's name without folder and extension, or the built-in scene's name.
     pub name: String,
-    /// What the renderer starts from.
+    /// The scene, for the renderer.
     pub description: SceneDescription,
     /// One sentence each, for the user.
     pub warnings: Vec<String>,

@@ -29,7 +29,7 @@ pub struct BenchOptions {
     #[arg(long, conflicts_with_all = ["methods", "references", "reference_time"])]
     pub paper: bool,
 
-    /// What to compare: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render', with + for commas inside it
+    /// Methods to compare: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render', with + for commas inside it
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "auto,mlt:none,mlt:4x4,bdpt,pt")]
     pub methods: Vec<Variant>,
     /// Independent renders of each method and budget, with the seeds 1, 2, …
@@ -54,7 +54,7 @@ pub struct BenchOptions {
     /// Render the reference with this many samples per pixel
     #[arg(long, value_name = "N", value_parser = positive)]
     pub reference_samples: Option<f64>,
-    /// What renders the reference
+    /// Method that renders the reference
     #[arg(long, value_name = "METHOD", default_value = "bdpt")]
     pub reference_method: Variant,
 

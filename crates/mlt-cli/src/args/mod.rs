@@ -14,7 +14,7 @@ pub mod verify;
 #[derive(Debug, Parser)]
 #[command(name = "mlt", version, arg_required_else_help = true)]
 pub struct Cli {
-    /// What to do.
+    /// The subcommand.
     #[command(subcommand)]
     pub command: Command,
 }

@@ -34,7 +34,7 @@ impl Method {
         matches!(self, Self::Mlt | Self::Pssmlt | Self::Mmlt)
     }
 
-    /// What it takes: `mutations` or `samples`.
+    /// The unit of its work: `mutations` or `samples`.
     pub fn unit(self) -> &'static str {
         if self.mutates() { "mutations" } else { "samples" }
     }
@@ -60,7 +60,7 @@ pub enum Weights {
     Adaptive,
 }
 
-/// What strata restrict.
+/// The chains or mutations that strata restrict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Variant {
     /// Chains stay in their strata
@@ -124,14 +124,14 @@ pub struct RenderOptions {
     #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Method")]
     #[arg(value_parser = clap::value_parser!(u64).range(2..=64))]
     pub rounds_pilot: u64,
-    /// What strata restrict
+    /// Chains or mutations that strata restrict
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub variant: Variant,
-    /// What goes with the bidirectional mutation in mlt: 'all' that the scene has use for, 'none', or some of lens, multi-chain and
+    /// Perturbations beside the bidirectional mutation in mlt: 'all' that the scene has use for, 'none', or some of lens, multi-chain and
     /// caustic, with commas between them
     #[arg(long, value_name = "all|none|LIST", default_value_t, help_heading = "Method")]
     pub perturbations: PerturbationList,
-    /// What chains sample in proportion to
+    /// Importance that chains sample in proportion to
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub importance: Importance,
     /// Longest path, in edges from light to lens; no limit if not given

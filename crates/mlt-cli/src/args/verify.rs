@@ -40,7 +40,7 @@ pub struct VerifyOptions {
     /// if not given, with --gallery every method
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
     pub methods: Vec<Variant>,
-    /// What to judge by; bdpt is judged by pt instead
+    /// Method to judge by; bdpt is judged by pt instead
     #[arg(long, value_name = "METHOD", default_value = "bdpt")]
     pub against: Variant,
     /// Independent renders of each method

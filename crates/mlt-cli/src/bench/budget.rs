@@ -2,7 +2,7 @@
 
 use std::{fmt, time::Duration};
 
-/// What ends a run.
+/// Condition that ends a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     /// Time on the clock.

@@ -62,7 +62,7 @@ pub struct Comparison {
     pub ratio_interval: Option<(f64, f64)>,
     /// The same ratio in the paper.
     pub paper_ratio: f64,
-    /// What the interval says.
+    /// Reading of the interval.
     pub verdict: &'static str,
 }
 

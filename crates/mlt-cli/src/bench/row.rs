@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::report::StratumReport;
 
-/// What decides a run; two runs with the same key need not both be made.
+/// Key of a run; two runs with the same key need not both be made.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Key {
     /// The scene as named on the command line.
@@ -47,7 +47,7 @@ pub struct Errors {
 /// One run.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Row {
-    /// What was run.
+    /// The run's key.
     #[serde(flatten)]
     pub key: Key,
     /// How the lights were cut.

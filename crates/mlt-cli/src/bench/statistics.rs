@@ -48,7 +48,7 @@ pub struct Estimate {
     pub interval: Option<(f64, f64)>,
 }
 
-/// What an interval says about a ratio.
+/// Reading of a ratio's interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// All of the interval is below one.

@@ -1,4 +1,4 @@
-//! What is to be run: a grid of scenes, methods, budgets and seeds.
+//! Runs of a study: a grid of scenes, methods, budgets and seeds.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ const REFERENCE_FACTOR: f64 = 10.0;
 pub struct Study {
     /// Files or built-in names.
     pub scenes: Vec<PathBuf>,
-    /// What is compared.
+    /// The methods compared.
     pub methods: Vec<Variant>,
     /// Budgets, rising.
     pub budgets: Vec<Budget>,

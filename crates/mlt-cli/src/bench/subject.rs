@@ -33,7 +33,7 @@ const LEAST: f64 = 1.0 / 64.0;
 pub struct Subject {
     /// As named on the command line.
     pub name: String,
-    /// What is rendered.
+    /// The scene and the camera to render.
     pub setup: Setup,
     /// Words of the command line that all renders of it share.
     words: Vec<String>,
@@ -135,7 +135,7 @@ pub struct Reference {
     pub image: Image,
     /// Luminance of each.
     pub luminance: Vec<f32>,
-    /// What it was made by.
+    /// The method that it was made by.
     pub origin: String,
     /// The same for the same pixels.
     pub fingerprint: String,

@@ -6,7 +6,7 @@ use super::{
     study::Study,
 };
 
-/// What error is charted against.
+/// Horizontal axis of a chart of error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// Seconds on the clock.

@@ -30,7 +30,7 @@ pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 const ENCODING: Encoding =
     Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
 
-/// What an OpenEXR file of ours holds.
+/// Content of an OpenEXR file of this program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrFile {
     /// Channels R, G, B.

@@ -19,7 +19,7 @@ pub mod png;
 /// Largest width and height of an image, pixels.
 pub const MAX_SIDE: usize = 65_536;
 
-/// What a file name's extension asks for.
+/// File format by the extension of a file name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// OpenEXR: linear, scene-referred, with standard errors and metadata.

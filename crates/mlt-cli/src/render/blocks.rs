@@ -58,7 +58,7 @@ impl Grid {
     }
 }
 
-/// What each round gave each block: mean luminance of the image that comes from it.
+/// Contribution of each round to each block: mean luminance of the image that comes from it.
 #[derive(Clone, Debug)]
 pub struct Blocks {
     grid: Grid,
@@ -109,7 +109,7 @@ impl Blocks {
 
     /// Potential scale reduction R̂ of the rounds, each taken as one chain, for the worst block.
     ///
-    /// What is estimated is the share q = m/M of the image's luminance that lies in the block. A state of a chain that
+    /// The estimated quantity is the share q = m/M of the image's luminance that lies in the block. A state of a chain that
     /// samples luminance lies there or not, with variance W = q(1 − q). Rounds whose states are worth n independent
     /// ones differ by B/n = Var(q̂), so R̂² = 1 + Var(q̂)/W and n = W/Var(q̂): R̂ = 1.05 means ten.
     ///

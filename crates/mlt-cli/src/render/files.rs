@@ -48,7 +48,7 @@ pub fn develop(mut film: Film<3>, setup: &Setup) -> anyhow::Result<(Image, Optio
     Ok((image, stderr))
 }
 
-/// What makes the file again.
+/// The options that make the file again.
 fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> Vec<(String, String)> {
     let mut command = vec![
         "mlt render".to_owned(),

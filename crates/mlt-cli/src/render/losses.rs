@@ -1,4 +1,4 @@
-//! What a render left out or warns of, with figures and places.
+//! Losses and warnings of a render, with figures and places.
 
 use mlt_core::engine::{Film, WarningKind};
 use mlt_core::transport::render::Counts;

@@ -49,9 +49,9 @@ pub(crate) struct Rendered {
     pub image: Image,
     /// Their standard errors; `None` where one round tells nothing of them.
     pub stderr: Option<Vec<[f32; 3]>>,
-    /// What the render tells about itself.
+    /// The report.
     pub report: Report,
-    /// What each round gave each block of the image.
+    /// Contribution of each round to each block of the image.
     pub blocks: Blocks,
 }
 

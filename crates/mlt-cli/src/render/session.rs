@@ -44,7 +44,7 @@ pub struct Finished {
     pub report: Report,
     /// Mutations or samples a pixel of one round.
     pub per_pixel: f64,
-    /// What each round gave each block of the image.
+    /// Contribution of each round to each block of the image.
     pub blocks: Blocks,
 }
 

@@ -7,7 +7,7 @@ use mlt_core::transport::render::{Method, Settings};
 
 use crate::args::render::{self, RenderOptions};
 
-/// What the options ask for, in rounds of so many mutations or samples a pixel.
+/// Settings that the options ask for, in rounds of so many mutations or samples a pixel.
 pub fn settings(options: &RenderOptions, per_pixel: f64) -> Settings {
     let method = match options.method() {
         render::Method::Auto => Method::Auto,

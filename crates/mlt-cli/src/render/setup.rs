@@ -13,7 +13,7 @@ const USUAL_SIDE: f64 = 512.0;
 /// Bytes a pixel: the film's sums and current round, the image, and the files in the making. 172 to 180 were measured.
 const BYTES_PER_PIXEL: u64 = 192;
 
-/// What is rendered.
+/// The scene and the camera to render.
 pub struct Setup {
     /// Name for the report.
     pub name: String,
@@ -21,7 +21,7 @@ pub struct Setup {
     pub scene: Scene,
     /// Where it is seen from, with the image's size.
     pub camera: Camera,
-    /// What the loader left out.
+    /// Warnings of the loader: the parts of the file that it left out.
     pub warnings: Vec<String>,
     /// The memory that the scene and the film leave for the rounds.
     pub memory: Memory,

@@ -1,4 +1,4 @@
-//! What a render's report says of its film and counts.
+//! Film and counts in the report of a render.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What the method `auto` decided.
+//! Decision of the method `auto`.
 
 use std::fmt;
 

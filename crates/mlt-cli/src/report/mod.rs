@@ -1,4 +1,4 @@
-//! What a render tells about itself.
+//! Report of a render.
 
 mod decision;
 
@@ -28,9 +28,9 @@ pub struct Report {
     pub rounds_pilot: u64,
     /// `stratified` or `mutation-only`.
     pub variant: String,
-    /// What goes with the bidirectional mutation: `all`, `none` or names with commas.
+    /// Perturbations beside the bidirectional mutation: `all`, `none` or names with commas.
     pub perturbations: String,
-    /// What chains sample in proportion to.
+    /// The importance that chains sample in proportion to.
     pub importance: String,
     /// Pixels in a row.
     pub width: usize,
@@ -80,9 +80,9 @@ pub struct Report {
     pub agreement: Option<Agreement>,
     /// Figures that tell whether the error bars can be trusted.
     pub trust: Trust,
-    /// What the method `auto` decided; `None` for other methods.
+    /// Decision of the method `auto`; `None` for other methods.
     pub decision: Option<Decision>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
     /// Files written.
     pub outputs: Vec<String>,
@@ -115,7 +115,7 @@ pub struct Agreement {
 const FEW_SAMPLES: f64 = 50.0;
 
 impl Agreement {
-    /// What to tell the user if rounds disagree.
+    /// A warning if rounds disagree.
     pub fn warning(&self) -> Option<String> {
         let Self { r_hat, block: [x, y], blocks: [columns, rows], effective_samples } = self;
         (*effective_samples < FEW_SAMPLES).then(|| {
@@ -144,7 +144,7 @@ pub struct StratumReport {
     pub r_hat: Option<f64>,
     /// Independent states that the chains are worth; `None` as for `r_hat`.
     pub effective_states: Option<f64>,
-    /// What the two are made from.
+    /// The data that both are made from.
     #[serde(skip)]
     pub halves: HalfChains,
 }

@@ -22,7 +22,7 @@ const FOUR_IN_FIVE: f64 = 0.841_6;
 /// Values that differ by less, relative to the image's mean, are rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// What the comparison found.
+/// Result of the comparison.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Bias {
     /// Probability of so large a difference if there is none, corrected for the number of regions (Holm).

@@ -18,7 +18,7 @@ pub const UNDERSTATED: f64 = 1.5;
 /// Permutations that a p-value comes from.
 const PERMUTATIONS: usize = 1999;
 
-/// What was found.
+/// Agreement of chains, rounds and replicas.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Chains {
     /// Largest split-R̂ over blocks: sequences are halves of replicas, draws are rounds. `None` with too few rounds.
@@ -167,7 +167,7 @@ fn repeated(replicas: &[Replica]) -> usize {
 }
 
 impl Chains {
-    /// What is wrong, each in a word and in a sentence.
+    /// The faults, each in a word and in a sentence.
     pub fn faults(&self) -> Vec<Fault> {
         let mut faults = Vec::new();
         if self.repeated > 0 {

@@ -14,7 +14,7 @@ const NORMAL: f64 = 1.96;
 /// Pixels darker than this share of the mean have no error bar worth the name.
 const DARK: f64 = 1e-6;
 
-/// What was found.
+/// Sizes of the errors of replicas.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Errors {
     /// relMSE of single replicas, mean (a − b)²/(a² + 10⁻² ā²), ā the image's mean luminance: its mean over replicas.

@@ -1,4 +1,4 @@
-//! What a verdict rests on: independent replicas of a method and of a reference.
+//! Evidence for a verdict: independent replicas of a method and of a reference.
 
 use mlt_core::engine::HalfChains;
 use mlt_core::transport::{Rgb, luminance};
@@ -26,7 +26,7 @@ pub struct Replica {
     pub strata: Vec<StratumReport>,
     /// Longest run of proposals without an acceptance.
     pub longest_rejection: u64,
-    /// What the render warned of.
+    /// Warnings of the render.
     pub warnings: Vec<String>,
     /// Whether it says itself that its error bars cannot be trusted.
     pub doubted: bool,

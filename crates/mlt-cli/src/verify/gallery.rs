@@ -145,11 +145,6 @@ pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
         court.identity()
     );
     let methods: Vec<String> = court.methods.iter().map(Variant::to_string).collect();
-    page += "- **passes**: no fault was found, and an error of 1 % of the image, or 10 % of a region, would have been.\n\
-             - **inconclusive**: no fault was found, but errors up to the figures (image, region) would not have been seen.\n\
-             - **fails**: in the words of the list below the table. *wrong*: another image than the reference's; *unsteady*: the \
-             worst seed's relMSE is\n  more than 3 times the median's; *bars*: 95 % error bars hold the truth in less than 90 % of \
-             pixels; *rounds*, *b*, *seeds*: chains,\n  normalisations or random numbers that are not independent.\n\n";
     page += "## Verdicts\n\n";
     page += &format!("| scene | what is hard | {} |\n|---|---|{}\n", methods.join(" | "), "---|".repeat(methods.len()));
     for scene in scenes {

@@ -48,7 +48,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     }
 }
 
-/// What is judged, and how.
+/// The methods to judge, and how.
 pub struct Court {
     methods: Vec<Variant>,
     against: Variant,

@@ -159,7 +159,7 @@ impl Subject {
     }
 }
 
-/// What the reference methods found.
+/// Renders of the reference methods.
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// Pixels by replica.

@@ -59,7 +59,7 @@ impl Fault {
     }
 }
 
-/// What was found of one method on one scene.
+/// Verdict on one method and one scene.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Verdict {
     /// The scene as named on the command line.
@@ -72,9 +72,9 @@ pub struct Verdict {
     pub replicas: usize,
     /// In one word.
     pub status: Status,
-    /// What is wrong.
+    /// The faults.
     pub faults: Vec<Fault>,
-    /// What else there is to say, in sentences without a full stop.
+    /// Further remarks, in sentences without a full stop.
     pub remarks: Vec<String>,
     /// Comparison with the reference; `None` for a black image.
     pub bias: Option<Bias>,
@@ -82,7 +82,7 @@ pub struct Verdict {
     pub chains: Option<Chains>,
     /// Sizes of errors.
     pub errors: Option<Errors>,
-    /// What renders warned of, and how many of them did.
+    /// Warnings of renders, and how many renders gave each.
     pub warnings: BTreeMap<String, usize>,
 }
 
@@ -93,7 +93,7 @@ pub struct Names {
     pub scene: String,
     /// The method.
     pub method: String,
-    /// What it is compared with.
+    /// The method that it is compared with.
     pub reference: String,
 }
 

@@ -82,7 +82,7 @@ struct Start<'a, P> {
     trials: Trials,
 }
 
-/// What was found of one mutation.
+/// Findings of the check of one mutation.
 #[derive(Default)]
 struct OfMutation {
     /// For each two bins, numbered as [`pair`] says.

@@ -1,4 +1,4 @@
-//! What a check found.
+//! Report of a check.
 
 use super::trial::{SIGNIFICANCE, Zero};
 use std::fmt;
@@ -55,7 +55,7 @@ pub struct Finding {
     pub evidence: String,
 }
 
-/// What a check found; its text is one line for each law that is broken.
+/// Report of a check; its text is one line for each law that is broken.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[must_use]
 pub struct Report {

@@ -35,7 +35,7 @@ where
     report
 }
 
-/// What a tracer made of some numbers; nothing where it said that F = 0.
+/// Result of a tracer for some numbers; nothing where it said that F = 0.
 #[derive(PartialEq)]
 struct Traced<const STREAMS: usize, const C: usize> {
     output: Option<(u64, Vec<(u32, [u64; C])>)>,

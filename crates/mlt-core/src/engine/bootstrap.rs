@@ -14,7 +14,7 @@ pub(super) struct Bootstrap {
     non_finite: u64,
     /// Where some of the states lie.
     coverage: Coverage,
-    /// What they took.
+    /// Their cost.
     work: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What one task leaves on the film, kept apart until it is merged.
+//! Deposits of one task, kept apart until they are merged into the film.
 
 use super::Splat;
 
@@ -13,7 +13,7 @@ pub trait Sink<S> {
 pub struct Deposit<const C: usize> {
     /// Index of the film's site.
     pub site: u32,
-    /// What the site gets, one number a channel.
+    /// Value for the site, one number a channel.
     pub value: [f32; C],
 }
 
@@ -93,7 +93,7 @@ impl<const C: usize> Deposits<C> {
         &self.bands[band]
     }
 
-    /// What was left out.
+    /// Deposits that were left out.
     pub fn lost(&self) -> &Lost {
         &self.lost
     }

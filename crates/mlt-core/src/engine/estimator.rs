@@ -1,4 +1,4 @@
-//! What is repeated in rounds, and the loop that repeats it.
+//! Estimators that are repeated in rounds, and the loop that repeats them.
 
 use super::{Deposits, Film};
 use rayon::prelude::*;
@@ -7,18 +7,18 @@ use std::ops::{ControlFlow, Range};
 /// Deposits that may wait for their merge, bytes; more where that would not keep all threads busy.
 const WAITING_DEPOSITS: usize = 16 << 20;
 /// Tasks for each thread that rounds in flight have at least: at their end threads wait for the last task, half of one on average.
-const TASKS_A_THREAD: usize = 32;
+const TASKS_PER_THREAD: usize = 32;
 /// Tasks for each thread in a batch at least.
-const BATCH_A_THREAD: usize = 8;
+const BATCH_PER_THREAD: usize = 8;
 
 /// An unbiased estimator of the whole film that can be repeated independently.
 ///
 /// A round is cut into tasks. What a task deposits depends on the round's and the task's number alone, and tasks are
 /// merged in their order: the film's bits do not depend on threads.
 pub trait Estimator<const C: usize>: Sync {
-    /// What the tasks of a round share.
+    /// State that the tasks of a round share.
     type Prepared: Send + Sync;
-    /// What a task counts.
+    /// Counts of a task.
     type Tally: Default + Send;
 
     /// Starts round number `round`.
@@ -163,15 +163,15 @@ impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
 }
 
 /// Rounds that are prepared and run together: enough for some tasks a thread.
-pub fn rounds_in_flight(threads: usize, tasks_a_round: usize) -> u64 {
-    (TASKS_A_THREAD * threads).div_ceil(tasks_a_round.max(1)) as u64
+pub fn rounds_in_flight(threads: usize, tasks_per_round: usize) -> u64 {
+    (TASKS_PER_THREAD * threads).div_ceil(tasks_per_round.max(1)) as u64
 }
 
 /// Tasks that run before their deposits are merged: those whose deposits fit the memory set aside for them, but enough to keep
 /// the threads busy. `task_deposits`: most deposits of a task.
 pub fn batch_size<const C: usize>(threads: usize, task_deposits: usize) -> usize {
     let bytes = task_deposits.max(1) * size_of::<super::Deposit<C>>();
-    (WAITING_DEPOSITS / bytes).min(256).max(BATCH_A_THREAD * threads)
+    (WAITING_DEPOSITS / bytes).min(256).max(BATCH_PER_THREAD * threads)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use rand_pcg::{Pcg64Dxsm, rand_core::Rng};
 /// The generator of every chain and every sample.
 pub type Generator = Pcg64Dxsm;
 
-/// What a stream of random numbers is for; streams of different purposes are independent.
+/// Purpose of a stream of random numbers; streams of different purposes are independent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// An independent sample of a stratum.

@@ -76,7 +76,7 @@ impl Prepared {
     }
 }
 
-/// What a block of independent samples is worth.
+/// Weights of a block of independent samples, where they lie, and their cost.
 struct Weighed {
     weights: Vec<f64>,
     coverage: Coverage,

@@ -13,7 +13,7 @@ pub const PILOT: u64 = 1 << 55;
 /// Number of the round whose samples tell their spread, and go into no image and no pilot.
 const SPREAD: u64 = PILOT << 1;
 
-/// What pilot rounds tell about one stratum.
+/// Measurement of one stratum by pilot rounds.
 ///
 /// With n mutations and m independent samples in a round, the stratum leaves the error
 /// Σ_p w_p Var(X_jp) ≈ chain_error / n · (1 + spread / m) + sample_error / m in the image, w being weights of the sites, and costs
@@ -46,7 +46,7 @@ impl Measure {
         self.chain_error.unwrap_or(0.0) / n * (1.0 + self.spread / m) + self.sample_error / m
     }
 
-    /// What the union of disjoint strata is expected to be, as one stratum whose chains visit each in proportion to its b.
+    /// Expected measurement of the union of disjoint strata, as one stratum whose chains visit each in proportion to its b.
     pub fn of_union(parts: &[Self]) -> Self {
         let sum = |value: &dyn Fn(&Self) -> f64| -> f64 { parts.iter().map(value).sum() };
         let b = sum(&|m| m.b);
@@ -68,14 +68,14 @@ impl Measure {
     }
 }
 
-/// What pilot rounds found.
+/// Findings of pilot rounds.
 #[derive(Default)]
 pub struct Piloted {
     /// Of each stratum.
     pub measures: Vec<Measure>,
     /// Of each stratum: the sites that its chains lit, and the sum over channels that they gave them in the mean over rounds.
     pub images: Vec<Vec<(u32, f64)>>,
-    /// What was counted.
+    /// Counts of the rounds.
     pub tally: Tally,
 }
 
@@ -211,7 +211,7 @@ fn measure(
     }
 }
 
-/// What [`Measure::chain_events`] says, from d_r = Σ_p w_p (X_pr − μ_p)² of each round r.
+/// [`Measure::chain_events`], from d_r = Σ_p w_p (X_pr − μ_p)² of each round r.
 fn chain_events(visits: &[Visits], moments: &[Moments], rounds: u64, weights: &[f64]) -> f64 {
     let unlit: f64 = moments.iter().map(|m| weights[m.site as usize] * m.mean * m.mean).sum();
     let mut deviations: Vec<(u64, f64)> = Vec::new();

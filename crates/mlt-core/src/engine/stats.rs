@@ -1,4 +1,4 @@
-//! What chains count.
+//! Counts of chains.
 
 use super::bytes::{put, put_list};
 use super::{Coverage, DecodeError, ExactSum, HalfChains, Rarity, Reader};

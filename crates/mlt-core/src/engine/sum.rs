@@ -7,7 +7,7 @@ use super::{Deposits, Estimator};
 /// Both give their rounds the same weight; they share no random numbers.
 pub struct Sum<A, B>(pub A, pub B);
 
-/// What one task of a sum counts.
+/// Counts of one task of a sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SumTally<A, B>(pub A, pub B);
 

@@ -1,4 +1,4 @@
-//! What a Metropolis render counts.
+//! Counts of a Metropolis render.
 
 use super::bytes::{put_list, put_text};
 use super::{Counted, DecodeError, Reader, StratumStats, Warning};

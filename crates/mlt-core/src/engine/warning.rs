@@ -10,7 +10,7 @@ const FEW_STATES: f64 = 50.0;
 /// Strata that a warning names.
 const NAMED: usize = 4;
 
-/// What is wrong.
+/// Kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum WarningKind {
@@ -37,7 +37,7 @@ pub enum WarningKind {
 /// A sign that an image is wrong, or that its error bars say too little; its text is one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What is wrong.
+    /// The kind of fault.
     pub kind: WarningKind,
     /// Where, in the order of the strata.
     pub strata: Vec<usize>,

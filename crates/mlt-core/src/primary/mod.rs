@@ -13,7 +13,7 @@
 //! use mlt_core::primary::{Output, PrimaryImportance, PrimaryMutation, PrimaryStratum, Streams, Tracer};
 //! use std::ops::ControlFlow;
 //!
-//! /// What the tracer makes: a pixel of two, and 2 (the number of pixels) × the radiance there.
+//! /// Result of the tracer: a pixel of two, and 2 (the number of pixels) × the radiance there.
 //! #[derive(Clone, Default)]
 //! struct Seen { pixel: u32, value: f64 }
 //!

@@ -36,7 +36,7 @@ impl<O: Output, const STREAMS: usize> PrimaryPath<O, STREAMS> {
         &self.streams
     }
 
-    /// What the tracer made of them.
+    /// The tracer's result for them.
     pub fn output(&self) -> &O {
         &self.output
     }

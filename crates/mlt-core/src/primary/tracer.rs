@@ -1,8 +1,8 @@
-//! What primary sample space is built on: a function of random numbers.
+//! Tracer: the function of random numbers that primary sample space is built on.
 
 use super::Streams;
 
-/// What a tracer makes of its random numbers.
+/// Result of a tracer for its random numbers.
 pub trait Output: Clone + Default {
     /// One deposit.
     type Splat;
@@ -22,7 +22,7 @@ pub trait Output: Clone + Default {
 /// `STREAMS` sequences of numbers are played back independently of each other: parts that use varying amounts of numbers
 /// (the two subpaths of a bidirectional sampler) take one each, so that a change in one does not shift the others.
 pub trait Tracer<const STREAMS: usize> {
-    /// What it makes.
+    /// Type of the result.
     type Output: Output;
 
     /// Writes F(u) over `output`, whose former value is arbitrary; returns false, and leaves it so, where F(u) = 0.

@@ -64,7 +64,7 @@ impl Document {
     }
 
     /// A diffuse surface without a coat.
-    pub fn matt(&mut self, name: &str, [r, g, b]: [f32; 3]) -> Paint {
+    pub fn diffuse(&mut self, name: &str, [r, g, b]: [f32; 3]) -> Paint {
         self.material(json!({
             "name": name,
             "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0, "roughnessFactor": 1 },

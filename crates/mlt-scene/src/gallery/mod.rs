@@ -15,7 +15,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What a scene asks of a renderer.
+/// Right outcome of rendering a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// An image.
@@ -31,9 +31,9 @@ pub enum Outcome {
 pub struct Scene {
     /// Its name, which is its folder's.
     pub name: &'static str,
-    /// What is hard about it, in a few words.
+    /// The difficulty, in a few words.
     pub stresses: &'static str,
-    /// What a right renderer makes of it.
+    /// The right outcome.
     pub outcome: Outcome,
     /// The folder that keeps it, from the root of the repository; `None`: too large to be kept.
     pub folder: Option<&'static str>,

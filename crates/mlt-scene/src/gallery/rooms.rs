@@ -11,7 +11,7 @@ const ORANGE: [f32; 3] = [0.65, 0.4, 0.2];
 /// Two chambers, mirror images of each other, shine into a room through a keyhole each.
 pub(super) fn islands() -> Document {
     let mut document = Document::new(Eye { from: dvec3(0.0, 1.0, 1.45), to: dvec3(0.0, 1.0, 0.0), fov: 1.3 });
-    let white = document.matt("white", WHITE);
+    let white = document.diffuse("white", WHITE);
     let light = document.light("lamp", [400.0, 360.0, 300.0]);
     let (low, high) = (dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 2.0, 1.5));
     document.add("room", white, room(low, high, &[0, 1]));
@@ -39,8 +39,8 @@ pub(super) fn islands() -> Document {
 /// A dark room beside a bright one, and a door that is not quite shut.
 pub(super) fn door_ajar() -> Document {
     let mut document = Document::new(Eye { from: dvec3(0.9, 1.3, 3.8), to: dvec3(-0.3, 1.0, 0.0), fov: 0.95 });
-    let white = document.matt("white", WHITE);
-    let (blue, orange) = (document.matt("blue", BLUE), document.matt("orange", ORANGE));
+    let white = document.diffuse("white", WHITE);
+    let (blue, orange) = (document.diffuse("blue", BLUE), document.diffuse("orange", ORANGE));
     let light = document.light("lamp", [900.0, 820.0, 700.0]);
     let (low, high) = (dvec3(-2.0, 0.0, 0.0), dvec3(2.0, 2.6, 4.0));
     document.add("room", white, room(low, high, &[4]));
@@ -62,8 +62,8 @@ pub(super) fn door_ajar() -> Document {
 /// Two hundred small lights, whose powers differ by a factor of a thousand, over a room with boxes.
 pub(super) fn lights_200() -> Document {
     let mut document = Document::new(Eye { from: dvec3(0.0, 1.8, 6.2), to: dvec3(0.0, 1.0, 0.0), fov: 0.75 });
-    let (white, blue) = (document.matt("white", WHITE), document.matt("blue", BLUE));
-    let orange = document.matt("orange", ORANGE);
+    let (white, blue) = (document.diffuse("white", WHITE), document.diffuse("blue", BLUE));
+    let orange = document.diffuse("orange", ORANGE);
     document.add("room", white, room(dvec3(-3.0, 0.0, -3.0), dvec3(3.0, 2.8, 3.0), &[5]));
     for i in 0..9u32 {
         let [x, z] = [i % 3, i / 3].map(|k| 1.7 * f64::from(k) - 1.7);
@@ -89,7 +89,7 @@ pub(super) fn lights_200() -> Document {
 /// A light in a sealed box, and one of a millionth of its power that is all the camera sees.
 pub(super) fn occluded() -> Document {
     let mut document = Document::new(Eye { from: dvec3(0.0, 1.1, 3.9), to: dvec3(0.0, 0.9, 0.0), fov: 0.6 });
-    let (white, blue) = (document.matt("white", WHITE), document.matt("blue", BLUE));
+    let (white, blue) = (document.diffuse("white", WHITE), document.diffuse("blue", BLUE));
     document.add("room", white, room(dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 2.0, 1.0), &[5]));
     document.add("case", blue, solid(dvec3(-0.7, 0.0, -0.6), dvec3(0.1, 0.9, 0.2)));
     let sealed = document.light("sealed", [5e5, 4.5e5, 4e5]);
@@ -102,7 +102,7 @@ pub(super) fn occluded() -> Document {
 /// A hundred thousand emissive triangles: fifty thousand scraps of paper in the air.
 pub(super) fn confetti() -> Document {
     let mut document = Document::new(Eye { from: dvec3(0.0, 1.1, 3.9), to: dvec3(0.0, 0.9, 0.0), fov: 0.6 });
-    let white = document.matt("white", WHITE);
+    let white = document.diffuse("white", WHITE);
     let light = document.light("scraps", [6.0, 5.0, 3.5]);
     document.add("room", white, room(dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 2.0, 1.0), &[5]));
     let mut scraps = Shape::default();
@@ -131,7 +131,7 @@ fn merged(mut all: Shape, one: Shape) -> Shape {
 pub(super) fn duct() -> Document {
     let mut document = Document::new(Eye { from: dvec3(-1.0, 0.0, 0.0), to: DVec3::ZERO, fov: 0.05 });
     let mirror = document.metal("mirror", [1.0; 3], 0.0);
-    let white = document.matt("white", [0.8; 3]);
+    let white = document.diffuse("white", [0.8; 3]);
     let light = document.light("lamp", [20.0, 18.0, 15.0]);
     let mut at = DVec3::ZERO;
     for i in 0..10 {
@@ -148,7 +148,7 @@ pub(super) fn duct() -> Document {
 /// A lamp over a pool: everything on its floor is seen, and lit, through the water.
 pub(super) fn pool() -> Document {
     let mut document = Document::new(Eye { from: dvec3(0.0, 2.2, 2.4), to: dvec3(0.0, -0.5, 0.0), fov: 0.6 });
-    let (white, blue) = (document.matt("white", WHITE), document.matt("blue", BLUE));
+    let (white, blue) = (document.diffuse("white", WHITE), document.diffuse("blue", BLUE));
     let water = document.glass("water", 1.33);
     let light = document.light("lamp", [600.0, 560.0, 480.0]);
     document.add("basin", blue, room(dvec3(-1.0, -1.0, -1.0), dvec3(1.0, 0.0, 1.0), &[3]));
@@ -162,7 +162,7 @@ pub(super) fn pool() -> Document {
 /// A room seen from inside a ball of glass.
 pub(super) fn camera_in_glass() -> Document {
     let mut document = Document::new(Eye { from: dvec3(0.05, 1.0, 0.6), to: dvec3(0.0, 0.9, 0.0), fov: 1.2 });
-    let (white, orange) = (document.matt("white", WHITE), document.matt("orange", ORANGE));
+    let (white, orange) = (document.diffuse("white", WHITE), document.diffuse("orange", ORANGE));
     let glass = document.glass("glass", 1.5);
     let light = document.light("lamp", [20.0, 18.0, 15.0]);
     document.add("room", white, room(dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 2.0, 1.0), &[]));

@@ -14,7 +14,7 @@ const EYE: Eye = Eye { from: DVec3::new(0.0, 1.1, 3.9), to: DVec3::new(0.0, 0.9,
 /// A room with two boxes and a lamp: every method has to pass.
 pub(super) fn plain() -> Document {
     let mut document = Document::new(EYE);
-    let [white, blue, orange] = [WHITE, BLUE, ORANGE].map(|c| document.matt("paint", c));
+    let [white, blue, orange] = [WHITE, BLUE, ORANGE].map(|c| document.diffuse("paint", c));
     let light = document.light("lamp", [20.0, 18.0, 15.0]);
     document.add("room", white, room(dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 2.0, 1.0), &[5]));
     let [left, right] = boxes();
@@ -45,7 +45,7 @@ pub(super) fn moved(offset: f32) -> Document {
 /// [`plain`] with its surfaces cut into slivers, doubled, turned inside out, and with triangles of no area between.
 pub(super) fn broken() -> Document {
     let mut document = Document::new(EYE);
-    let [white, blue, orange] = [WHITE, BLUE, ORANGE].map(|c| document.matt("paint", c));
+    let [white, blue, orange] = [WHITE, BLUE, ORANGE].map(|c| document.diffuse("paint", c));
     let light = document.light("lamp", [20.0, 18.0, 15.0]);
     let (low, high) = (dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 2.0, 1.0));
     document.add("floor in slivers", white, slivers(low, 2.0 * DVec3::Z, 2.0 * DVec3::X));
@@ -81,7 +81,7 @@ fn slivers(corner: DVec3, a: DVec3, b: DVec3) -> Shape {
 /// Four plates of metal, ever smoother, and the images of three lamps in them.
 pub(super) fn gloss() -> Document {
     let mut document = Document::new(Eye { from: dvec3(0.0, 1.2, 4.0), to: dvec3(0.0, 0.5, 0.0), fov: 0.55 });
-    let white = document.matt("white", [0.3, 0.3, 0.3]);
+    let white = document.diffuse("white", [0.3, 0.3, 0.3]);
     document.add("floor", white, quad(dvec3(-3.0, 0.0, -2.0), 5.0 * DVec3::Z, 6.0 * DVec3::X));
     document.add("back", white, quad(dvec3(-3.0, 0.0, -2.0), 6.0 * DVec3::X, 3.0 * DVec3::Y));
     for (i, roughness) in [0.05, 0.02, 0.005, 0.001].into_iter().enumerate() {
@@ -106,7 +106,7 @@ pub(super) fn gloss() -> Document {
 /// Lights that share an edge with a surface: at a right angle, and at a sharp one.
 pub(super) fn touching() -> Document {
     let mut document = Document::new(EYE);
-    let (white, blue) = (document.matt("white", WHITE), document.matt("blue", BLUE));
+    let (white, blue) = (document.diffuse("white", WHITE), document.diffuse("blue", BLUE));
     let light = document.light("lamp", [3.0, 2.7, 2.2]);
     document.add("room", white, room(dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 2.0, 1.0), &[5]));
     document.add("box", blue, solid(dvec3(0.15, 0.0, 0.0), dvec3(0.7, 0.5, 0.55)));
@@ -121,7 +121,7 @@ pub(super) fn touching() -> Document {
 /// A light of a millionth of the room's size, and a sky a thousand times as large as the room.
 pub(super) fn tiny_and_huge() -> Document {
     let mut document = Document::new(EYE);
-    let [white, blue, orange] = [WHITE, BLUE, ORANGE].map(|c| document.matt("paint", c));
+    let [white, blue, orange] = [WHITE, BLUE, ORANGE].map(|c| document.diffuse("paint", c));
     document.add("room", white, room(dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 2.0, 1.0), &[5]));
     let [left, right] = boxes();
     document.add("left box", blue, left);
@@ -150,7 +150,7 @@ pub(super) fn camera_sees_nothing() -> Document {
 /// A room without any light.
 pub(super) fn no_light() -> Document {
     let mut document = Document::new(EYE);
-    let white = document.matt("white", WHITE);
+    let white = document.diffuse("white", WHITE);
     document.add("room", white, room(dvec3(-1.0, 0.0, -1.0), dvec3(1.0, 2.0, 1.0), &[5]));
     document.add(
         "stones",

@@ -25,7 +25,7 @@ const BYTES_PER_OBJECT: u64 = 512;
 
 /// A glTF file.
 pub(super) struct Parsed {
-    /// What its JSON says.
+    /// Its JSON, parsed.
     pub document: Document,
     bytes: Vec<u8>,
     binary: Option<Range<usize>>,

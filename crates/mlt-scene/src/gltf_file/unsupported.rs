@@ -1,4 +1,4 @@
-//! What a glTF file asks for that changes the image and is not rendered, in words.
+//! Features of a glTF file that change the image and are not rendered, in words.
 
 use super::graph::{Placed, place};
 use crate::text::shown;

@@ -11,7 +11,7 @@ const GREY: Rgb = Rgb::splat(0.5);
 /// Reflectance at normal incidence of a dielectric with glTF's index of refraction, 1.5.
 const F0: f32 = 0.04;
 
-/// What stands in for a material that is not defined.
+/// Substitute for a material that is not defined.
 pub(super) fn grey() -> Material {
     let bsdf = diffuse(GREY).bsdf();
     Material { name: "grey".to_owned(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 }

@@ -46,14 +46,14 @@ fn joined(text: &str) -> String {
     joined
 }
 
-/// What a statement says behind its keyword, without quotes.
+/// Rest of a statement behind its keyword, without quotes.
 pub(super) fn unquoted(rest: &str) -> &str {
     let rest = rest.trim();
     let quoted = rest.strip_prefix('"').and_then(|rest| rest.split_once('"'));
     quoted.map_or(rest, |(name, _)| name.trim())
 }
 
-/// What a statement says behind its keyword, as a name with single blanks; [`UNNAMED`] if it says nothing.
+/// Rest of a statement behind its keyword, as a name with single blanks; [`UNNAMED`] if it says nothing.
 pub(super) fn name(rest: &str) -> String {
     match unquoted(rest) {
         "" => UNNAMED.to_owned(),
@@ -155,7 +155,7 @@ impl Reduced {
         line.split_whitespace().take(4).map(plain).collect::<Vec<_>>().join(" ").into()
     }
 
-    /// What was left out and would have been seen.
+    /// Parts of the file that were left out and would have been seen.
     pub fn warnings(&self) -> Vec<String> {
         let features = [
             (self.has_lines, "points and lines"),

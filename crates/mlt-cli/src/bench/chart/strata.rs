@@ -1,4 +1,4 @@
-//! What each stratum gives and what it gets: shares of b_j and of n_j.
+//! Shares of the strata: of b_j, which they give, and of n_j, which they get.
 
 use std::fmt::Write;
 

@@ -16,11 +16,11 @@ pub struct BinaryNode {
     pub min: Vec3,
     /// Largest corner.
     pub max: Vec3,
-    /// What lies inside.
+    /// The content.
     pub content: Content,
 }
 
-/// What a binary node holds.
+/// Content of a binary node.
 #[derive(Clone, Copy, Debug)]
 pub enum Content {
     /// One triangle, as an index into the caller's array.

@@ -7,7 +7,7 @@
 //! * `traverse`: a ray walks that tree, eight boxes or eight triangles at a time (`simd` is the arithmetic,
 //!   `watertight` the triangle test and the accurate hit, `coarse` the same for triangles of a very different size).
 //!
-//! What callers may rely on:
+//! Callers may rely on this:
 //!
 //! * a ray that starts inside a closed mesh does not leak through its edges or vertices;
 //! * the same query gives the same bits on every machine and every number of threads: the vector code and its

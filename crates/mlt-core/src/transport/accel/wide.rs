@@ -12,7 +12,7 @@ pub const WIDTH: usize = 8;
 pub struct Node {
     /// Planes of the boxes: x min, x max, y min, y max, z min, z max. An unused lane is an inside-out box.
     pub planes: [Lanes; 6],
-    /// What each box holds.
+    /// Content of each box.
     pub children: [Child; WIDTH],
 }
 

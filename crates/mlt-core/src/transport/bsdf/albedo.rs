@@ -74,7 +74,7 @@ pub fn at_cosine(cos: f32) -> Vec3A {
     Vec3A::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos)
 }
 
-/// What one scattering by microfacets with f = D G₂/(4 cosθₗ cosθₑ) makes of light along a direction.
+/// Terms of the albedo of one scattering by microfacets with f = D G₂/(4 cosθₗ cosθₑ), for light along a direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Lacking {
     /// m = 1 - ∫ f cosθ dω.

@@ -37,7 +37,7 @@ pub struct Conductor {
 pub(super) struct Met {
     /// f_s and densities.
     pub evaluation: Evaluation,
-    /// What is lacking at the direction to the light and to the eye.
+    /// Lacking energy at the direction to the light and to the eye.
     pub lacking: [Lacking; 2],
 }
 
@@ -77,7 +77,7 @@ impl Conductor {
         self.albedo(self.table.average())
     }
 
-    /// What is reflected once and again, if F were F̄ everywhere, over F̄: sampled in this proportion.
+    /// Light reflected once and again, if F were F̄ everywhere, over F̄: sampled in this proportion.
     #[inline]
     fn shares(&self, white: f32) -> [f32; 2] {
         [1.0 - white, self.average * white]

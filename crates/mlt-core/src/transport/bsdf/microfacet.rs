@@ -27,7 +27,7 @@ pub struct Ggx {
     pub alpha: f32,
 }
 
-/// What microfacets whose normal halves the angle between two directions do.
+/// Scattering by the microfacets whose normal halves the angle between two directions.
 pub struct Reflection {
     /// cos of the half angle, h·a = h·b ≤ 1.
     pub cos_half: f32,

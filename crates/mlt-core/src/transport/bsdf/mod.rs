@@ -48,7 +48,7 @@ pub use rough_interface::RoughInterface;
 pub use rough_thin::RoughThin;
 pub use thin::{Thin, slab_reflectance};
 
-/// What a BSDF is for two directions.
+/// Value of a BSDF for two directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evaluation {
     /// [`Bsdf::eval`].

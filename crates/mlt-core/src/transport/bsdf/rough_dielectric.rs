@@ -19,7 +19,7 @@ use std::f32::consts::FRAC_1_PI;
 /// Source: after Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
 #[derive(Clone, Debug)]
 pub struct RoughDielectric {
-    /// What is scattered once, f_once.
+    /// Light scattered once, f_once.
     pub once: RoughInterface,
     spread: Spread,
     /// Front, back.
@@ -28,7 +28,7 @@ pub struct RoughDielectric {
     transmission: f32,
 }
 
-/// What is scattered more than once, on one side.
+/// Light scattered more than once, on one side.
 #[derive(Clone, Debug)]
 struct Side {
     /// m.

@@ -1,4 +1,4 @@
-//! What every [`Bsdf`] keeps: densities, reciprocity, energy, finite numbers.
+//! Laws that every [`Bsdf`] keeps: densities, reciprocity, energy, finite numbers.
 
 use super::*;
 use crate::transport::colour::Rgb;

@@ -25,22 +25,22 @@ pub fn mean_luminance(film: &Film<3>) -> Pixel {
 }
 
 /// Pixels whose squares one thread sums.
-const PIXELS_A_SUM: u32 = 1 << 10;
+const PIXELS_PER_SUM: u32 = 1 << 10;
 
 /// Estimated relative error of the image, √(Σ stderr² / Σ luminance²) over pixels; infinite before the second round and
 /// for a black image.
 pub fn relative_error(film: &Film<3>) -> f64 {
     let sums = |first: u32| {
         let (mut errors, mut squares) = (0.0, 0.0);
-        for pixel in first..film.sites().min(first + PIXELS_A_SUM) {
+        for pixel in first..film.sites().min(first + PIXELS_PER_SUM) {
             let (luminance, error) = luminance_and_error(film, pixel as usize);
             errors += error * error;
             squares += luminance * luminance;
         }
         [errors, squares]
     };
-    let parts = film.sites().div_ceil(PIXELS_A_SUM);
-    let parts: Vec<_> = (0..parts).into_par_iter().map(|part| sums(part * PIXELS_A_SUM)).collect();
+    let parts = film.sites().div_ceil(PIXELS_PER_SUM);
+    let parts: Vec<_> = (0..parts).into_par_iter().map(|part| sums(part * PIXELS_PER_SUM)).collect();
     let [errors, squares] = [0, 1].map(|i| parts.iter().map(|part: &[f64; 2]| part[i]).sum::<f64>());
     if squares > 0.0 { (errors / squares).sqrt() } else { f64::INFINITY }
 }

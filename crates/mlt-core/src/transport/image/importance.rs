@@ -1,4 +1,4 @@
-//! What chains sample in proportion to.
+//! The importance that chains sample in proportion to.
 
 use super::blur::blurred;
 use crate::engine::Importance;

@@ -243,7 +243,7 @@ fn quarters(first: usize, last: usize) -> [usize; WIDTH + 1] {
     array::from_fn(|i| first + i * (last - first) / WIDTH)
 }
 
-/// What a node bounds, while the tree is built.
+/// Content of a node, while the tree is built.
 #[derive(Clone, Copy)]
 struct Bound {
     low: Vec3,

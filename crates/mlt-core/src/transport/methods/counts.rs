@@ -1,9 +1,9 @@
-//! What a render counted.
+//! Counts of a render.
 
 use crate::engine::{StratumStats, Tally};
 use std::ops::Add;
 
-/// What a render counted.
+/// Counts of a render.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counts {
     /// Independent samples of the image.
@@ -25,7 +25,7 @@ impl Counts {
     }
 }
 
-/// What pilots spent.
+/// Cost of pilots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PilotCounts {
     pub(crate) mutations: u64,

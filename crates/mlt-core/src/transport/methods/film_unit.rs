@@ -42,7 +42,7 @@ pub fn film_unit(view: View) -> f64 {
     if mean > 0.0 { OF_MEAN * mean } else { OF_LIGHT * brightest(view) }
 }
 
-/// What one sample brings to the image, all pixels together.
+/// Contribution of one sample to the image, all pixels together.
 fn sampled(sampler: &impl ImageSampler, index: u64) -> f64 {
     let mut rng = OwenSobol::new(0);
     rng.go_to(index);

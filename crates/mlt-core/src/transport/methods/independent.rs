@@ -52,7 +52,7 @@ pub struct Independent<'a, T, S = AllPaths> {
     pub seed: u64,
 }
 
-/// What independent sampling counts.
+/// Counts of independent sampling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SampleTally {
     /// Samples of the image.
@@ -171,7 +171,7 @@ mod tests {
     use crate::transport::methods::path_tracing::PathTracer;
     use crate::transport::tests::worlds::worlds;
 
-    /// What a task leaves with the instructions that the processor has, and with those that all have.
+    /// Deposits of a task with the instructions that the processor has, and with those that all have.
     fn both<T: ImageSampler>(sampler: &T) -> [Deposits<3>; 2] {
         let of = &Independent { sampler, selection: AllPaths, samples_per_pixel: 9.0, seed: 5 };
         let mut deposits = [(); 2].map(|()| Deposits::new(of.pixels() as u32, 31));

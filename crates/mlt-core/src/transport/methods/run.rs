@@ -1,4 +1,4 @@
-//! What one call of a render adds to its film and its counts.
+//! One call of a render: rounds added to its film and its counts.
 
 use super::counts::{Counts, PilotCounts};
 use super::independent::{ImageSampler, Independent, SampleTally, Selection};
@@ -12,13 +12,13 @@ use std::ops::{ControlFlow, Range};
 /// Called with the state of a render; it breaks to stop it.
 pub type Observer<'a> = dyn FnMut(Progress, &Film<3>) -> ControlFlow<()> + 'a;
 
-/// What one call of a render adds, and where to.
+/// Rounds of one call of a render, and where they are added.
 pub struct Run<'r, 'o> {
     /// The rounds, by their numbers.
     pub rounds: Range<u64>,
-    /// What the rounds are added to.
+    /// The film that the rounds are added to.
     pub film: &'r mut Film<3>,
-    /// What they count is added to.
+    /// The counts that theirs are added to.
     pub counts: &'r mut Counts,
     /// Told of every round.
     pub observe: &'r mut Observer<'o>,

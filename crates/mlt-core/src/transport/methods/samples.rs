@@ -107,9 +107,9 @@ mod tests {
 
     #[test]
     fn samples_are_spared_where_their_weights_hardly_vary_and_surfaces_are_not_specular() {
-        let (matt, shiny) = (room(lambert(Rgb::ONE), false), room(mirror(), false));
-        assert_eq!(mutations_a_sample_of(&matt, Method::Metropolis, 128), 256.0);
-        assert!((32.0..=64.0).contains(&mutations_a_sample_of(&matt, Method::Multiplexed, 128)));
+        let (diffuse, shiny) = (room(lambert(Rgb::ONE), false), room(mirror(), false));
+        assert_eq!(mutations_a_sample_of(&diffuse, Method::Metropolis, 128), 256.0);
+        assert!((32.0..=64.0).contains(&mutations_a_sample_of(&diffuse, Method::Multiplexed, 128)));
         assert_eq!(mutations_a_sample_of(&shiny, Method::Metropolis, 128), 32.0);
         assert_eq!(mutations_a_sample_of(&shiny, Method::Multiplexed, 128), 4.0);
     }
@@ -132,8 +132,8 @@ mod tests {
             let camera = world.camera.with_size([side, side]);
             mutations_a_sample(View { camera: &camera, ..world.view() }, 32)
         };
-        let (matt, shiny) = (room(lambert(Rgb::ONE), false), room(mirror(), false));
-        assert_eq!([64, 128, 256].map(|side| usual(&matt, side)), [32, 32, 64]);
+        let (diffuse, shiny) = (room(lambert(Rgb::ONE), false), room(mirror(), false));
+        assert_eq!([64, 128, 256].map(|side| usual(&diffuse, side)), [32, 32, 64]);
         assert_eq!(usual(&shiny, 256), 32);
     }
 }

@@ -1,4 +1,4 @@
-//! What decides the bits of a render.
+//! Settings: all that decides the bits of a render.
 
 use super::metropolis::adapt::Adaptation;
 use super::metropolis::mutate::perturbations::Perturbations;
@@ -31,7 +31,7 @@ pub enum Method {
     Multiplexed,
 }
 
-/// What decides the bits of a render, besides the scene and the camera. The default is what `mlt render` does by itself.
+/// Settings that decide the bits of a render, besides the scene and the camera. The default is what `mlt render` does by itself.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
@@ -43,11 +43,11 @@ pub struct Settings {
     pub classes: Classes,
     /// How a round is shared among the strata.
     pub adaptation: Adaptation,
-    /// What strata restrict.
+    /// The chains or mutations that strata restrict.
     pub variant: Variant,
-    /// What goes with the bidirectional mutation in [`Method::Metropolis`].
+    /// Perturbations beside the bidirectional mutation in [`Method::Metropolis`].
     pub perturbations: Perturbations,
-    /// What chains sample in proportion to.
+    /// The importance that chains sample in proportion to.
     pub target: Target,
     /// Most edges of a path; `None`: no limit.
     pub max_edges: Option<usize>,

@@ -183,7 +183,7 @@ const fn pascal(mut index: u32) -> u32 {
     index ^ (index >> 16)
 }
 
-/// What each byte of an index adds to a coordinate, lowest bit first.
+/// Contribution of each byte of an index to a coordinate, lowest bit first.
 type Table = [[u32; 256]; 4];
 
 /// The third coordinate: x² + x + 1.

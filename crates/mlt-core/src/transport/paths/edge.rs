@@ -26,7 +26,7 @@ impl Edge {
         (square > 0.0 && inverse_square.is_finite()).then(|| Self::new(direction, inverse_square, [x, y]))
     }
 
-    /// What a ray from one to the other followed, in this unit direction from `x` to `y`.
+    /// Edge that a ray followed, in this unit direction from `x` to `y`.
     ///
     /// The positions do not give it back: they are rounded, and the ray starts off the surface, by as much as a pane of glass may
     /// be thick. What follows behind a specular surface depends on it. The length is less exact and matters less: between specular

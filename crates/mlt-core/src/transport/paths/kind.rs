@@ -76,7 +76,7 @@ impl Kinds {
     /// All.
     pub const ALL: Self = Self((1 << KINDS) - 1);
 
-    /// What camera rays meet by themselves: lights, and their images in specular surfaces.
+    /// Paths that camera rays find by themselves: to lights, and to their images in specular surfaces.
     pub const SEEN: Self = Self(0b11);
 
     /// The kinds of paths of 1, of 2 and of more edges, as far as `most` edges go; images of lights left out.
@@ -156,7 +156,7 @@ impl fmt::Display for Kinds {
     }
 }
 
-/// What a sampler knows of a path that it does not build: where and how it meets the light.
+/// End of a path that a sampler does not build: where and how it meets the light.
 #[derive(Clone, Copy)]
 pub struct PathEnd<'a> {
     /// The path's kind.

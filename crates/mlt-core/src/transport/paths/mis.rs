@@ -18,7 +18,7 @@ pub(crate) use super::path_vertex::{connectible, reference};
 use crate::transport::lights::LightRegion;
 use crate::transport::scene::View;
 
-/// What subpaths start on.
+/// Ends that subpaths start on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ends {
     /// Power of the region that x_0 is drawn on.

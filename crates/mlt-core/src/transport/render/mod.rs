@@ -45,7 +45,7 @@ impl<'a> Renderer<'a> {
         Self { view, method: Prepared::Auto(Auto::with_plan(view, settings, plan)) }
     }
 
-    /// What [`Method::Auto`] decided.
+    /// Decision of [`Method::Auto`].
     pub fn decision(&self) -> Option<&Summary> {
         match &self.method {
             Prepared::Auto(auto) => Some(auto.decision()),

@@ -1,10 +1,10 @@
-//! What a scene must have, and what it is better without.
+//! Checks of a scene: what it must have, and what it is better without.
 
 use super::Scene;
 use super::description::SceneDescription;
 use crate::transport::geometry::Mesh;
 
-/// What makes a scene unusable.
+/// Fault that makes a scene unusable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum UnusableScene {

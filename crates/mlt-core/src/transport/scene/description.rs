@@ -1,4 +1,4 @@
-//! What a scene loader hands to the renderer.
+//! Description of a scene, which a loader hands to the renderer.
 
 use super::camera::CameraPose;
 use super::material::Material;
@@ -15,7 +15,7 @@ pub struct SceneDescription {
     pub cameras: Vec<CameraPose>,
 }
 
-/// What a scene's file calls a surface.
+/// Name of a surface in the scene's file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SurfaceName {
     /// Name of the mesh.
@@ -25,7 +25,7 @@ pub struct SurfaceName {
 }
 
 impl SceneDescription {
-    /// What the file calls the surface of a mesh, given by its number.
+    /// Name in the file of a mesh's surface, the mesh given by its number.
     pub fn surface_name(&self, mesh: u32) -> SurfaceName {
         let Mesh { name, material, .. } = &self.meshes[mesh as usize];
         SurfaceName { mesh: name.clone(), material: self.materials[*material as usize].name.clone() }

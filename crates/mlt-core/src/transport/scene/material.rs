@@ -1,4 +1,4 @@
-//! What a surface does with light: scatters it, emits it.
+//! Materials: how a surface scatters and emits light.
 
 use crate::transport::bsdf::Bsdf;
 use crate::transport::colour::Rgb;

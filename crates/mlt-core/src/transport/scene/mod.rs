@@ -108,7 +108,7 @@ impl Scene {
         &self.lights
     }
 
-    /// What it has.
+    /// Features that it has.
     #[inline]
     pub fn needs(&self) -> Needs {
         self.needs

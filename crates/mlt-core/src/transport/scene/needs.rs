@@ -1,9 +1,9 @@
-//! What a scene has, so that what it lacks costs nothing.
+//! Needs of a scene: the features that it has, so that what it lacks costs nothing.
 
 use super::material::Material;
 use crate::transport::geometry::Mesh;
 
-/// What a scene has. Branches, mutations and strata that serve nothing else are not set up where it is lacking.
+/// Features that a scene has. Branches, mutations and strata that serve nothing else are not set up where it is lacking.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
     /// A surface that scatters into discrete directions only.

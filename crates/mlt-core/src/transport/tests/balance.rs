@@ -32,7 +32,7 @@ impl<F: Fn(&LightPath, &mut LightPath, &LightStratum, &mut Generator) -> Option<
 /// A pair of sets: the partition they belong to, and their numbers in it, the smaller first.
 type Pair = (usize, u32, u32);
 
-/// What flows between the two sets of a pair.
+/// Flow between the two sets of a pair.
 #[derive(Clone, Copy, Default)]
 struct Flow {
     sum: f64,

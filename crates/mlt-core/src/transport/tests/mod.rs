@@ -1,4 +1,4 @@
-//! What the renderer promises, one file a promise.
+//! Promises of the renderer, one file each.
 
 pub(crate) mod balance;
 mod camera;

@@ -16,7 +16,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-/// What code that is `depth` modules below the renderer, in a room, names of rooms that are not below it; tests are left out.
+/// Rooms that are not below its own, but are named by code `depth` modules below the renderer; tests are left out.
 fn faults(room: &str, depth: usize, source: &str) -> Vec<String> {
     let code = source.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let lines = code.lines().map(str::trim).filter(|line| !line.starts_with("//"));

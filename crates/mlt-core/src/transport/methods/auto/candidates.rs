@@ -21,7 +21,7 @@ pub enum Sampler {
 }
 
 /// Candidates for each limit of length: path tracing with each number of branches, and bidirectional path tracing.
-pub(super) const OF_A_LENGTH: usize = BRANCHES.len() + 1;
+pub(super) const PER_LENGTH: usize = BRANCHES.len() + 1;
 
 /// An independent method that samples paths up to some length.
 pub(super) struct Candidate {
@@ -67,7 +67,7 @@ impl Candidate {
         Self { sampler: Sampler::Path { branches }, max_edges, work, scale }
     }
 
-    /// What to multiply the measured error of paths of some kinds with, of at most `most` edges; infinite if they are not
+    /// Factor of the measured error of paths of some kinds, of at most `most` edges; infinite if they are not
     /// sampled. Path tracing follows images of lights to their ends, and branches follow the same ones in a mirror.
     pub(super) fn scale(&self, kinds: Kinds, most: usize) -> f64 {
         let longest = kinds.without(Kind::IMAGE).most_edges(most);

@@ -37,7 +37,7 @@ pub(super) const CHAIN_ROUNDS_OF_TIME: f64 = 0.75;
 pub(super) const CHAIN_PILOT: u64 = PILOT + (1 << 40);
 /// Chains in each part that tell what samples have not met; chosen, (U5).
 pub(super) const CHAINS: u64 = 16;
-/// What a value has to be over those that were met, so that rounding does not make it larger.
+/// Least quotient of a value and those that were met, so that rounding does not make it larger.
 pub(super) const NEW: f64 = 1.01;
 
 /// Most parts of the lights, unless they are asked for; chosen, section 1.

@@ -42,7 +42,7 @@ fn smoothed_weights(images: &PerMethod<Vec<f64>>, size: [u32; 2], radius: usize)
     weights_of_smooth(&(0..images.path.len()).map(level).collect::<Vec<_>>())
 }
 
-/// What chains leave in an image of `to` pixels, as a mean over pixels and for each mutation and sample a pixel, from the
+/// Error that chains leave in an image of `to` pixels, as a mean over pixels and for each mutation and sample a pixel, from the
 /// sum over a pilot's image of `from` pixels and for each mutation and sample.
 ///
 /// A pixel of the larger image gets fewer visits, but an error of b_j is the same in all of them.
@@ -64,7 +64,7 @@ pub(super) struct Chained {
     pub(super) energy: [f64; 2],
 }
 
-/// What was found of the independent methods.
+/// Findings of the independent methods.
 pub(super) struct Findings<'a> {
     pub(super) parts: &'a Parts<'a>,
     pub(super) candidates: &'a [Candidate],
@@ -77,7 +77,7 @@ pub(super) struct Findings<'a> {
 }
 
 impl Findings<'_> {
-    /// What each part costs each estimator.
+    /// Cost of each part by each estimator.
     pub(super) fn costs(&self, chains: &[Chained]) -> Vec<Costs> {
         let most = self.candidates.iter().map(|c| c.max_edges).max().unwrap_or(0);
         let rarely = self.rarely_met(chains);
@@ -135,7 +135,7 @@ impl Findings<'_> {
         }
     }
 
-    /// What each method leaves of a part, for one sample a pixel.
+    /// Error that each method leaves in a part, for one sample a pixel.
     fn errors(&self, part: usize, chained: &Chained) -> PerMethod<f64> {
         let (measured, weights) = (self.measured.as_ref(), self.weights);
         let (pixels, weight) = (weights.len() as f64, weights.iter().sum::<f64>() / weights.len() as f64);
@@ -152,7 +152,7 @@ impl Findings<'_> {
         })
     }
 
-    /// What chains may leave of parts where they have hardly found light, but samples have: nothing better is known than the most
+    /// Error that chains may leave in parts where they have hardly found light, but samples have: nothing better is known than the most
     /// that they leave of any other part, as light goes.
     pub(super) fn fill_in(&self, chains: &mut [Chained]) {
         let noise = |c: &Chained| c.measure.chain_error.map(|error| error / (c.energy[0] * c.energy[0]));
@@ -167,14 +167,14 @@ impl Findings<'_> {
         }
     }
 
-    /// What chains lack of a part's image; `image`: the pixels that they lit.
+    /// Light that chains lack in a part's image; `image`: the pixels that they lit.
     pub(super) fn missed_by_chains(&self, part: usize, image: &[(u32, f64)]) -> f64 {
         let both = self.measured.as_ref().map(|m| (m, m.error(part, self.weights) / m.samples));
         missed_by_chains(both, part, image, self.weights)
     }
 }
 
-/// What chains lack of a part's image, as a sum over pixels of weight × squared difference: a light or a highlight that none of
+/// Light that chains lack in a part's image, as a sum over pixels of weight × squared difference: a light or a highlight that none of
 /// them has met shows no noise. `measured`: independent methods and their errors.
 ///
 /// With c the chains' pixel, m that of the independent method with less error, and v the variance of m, E[(m − c)² − v] is the

@@ -2,7 +2,7 @@
 
 use super::constants::{LEAST_CHAINS, MIXTURE_GAIN, MOST_WORK};
 
-/// What is known of one part of path space, in a unit of error × work: how much error, squared and over work, an estimator
+/// Knowledge of one part of path space, in a unit of error × work: how much error, squared and over work, an estimator
 /// leaves that does nothing else.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Costs {
@@ -71,7 +71,7 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    /// What is best.
+    /// The best plan.
     pub(super) fn best(&self) -> &Decision {
         self.mixture.as_ref().unwrap_or(&self.single)
     }

@@ -1,4 +1,4 @@
-//! What independent samples of a small image tell about each part of path space.
+//! Measurement of each part of path space by independent samples of a small image.
 
 use super::constants::{ENOUGH_PIXELS, LONG};
 use super::parts::Parts;
@@ -30,14 +30,14 @@ pub(super) struct Measured {
 struct Pixel {
     /// Σ x and Σ x² over the sequences, part after part; x is a sequence's mean.
     sums: Vec<[f64; 2]>,
-    /// What crossed the image at other pixels.
+    /// Contributions that crossed the image at other pixels.
     splats: Vec<Splat>,
     /// Largest value, part after part.
     largest: Vec<f64>,
     rays: u64,
 }
 
-/// What crosses the image at another pixel than the one sampled.
+/// Contribution that crosses the image at another pixel than the one sampled.
 struct Splat {
     /// The pixel, and the part.
     at: (u32, usize),

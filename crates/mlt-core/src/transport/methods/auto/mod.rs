@@ -48,7 +48,7 @@ pub use parts::SomePaths;
 pub use plan::{PartSummary, Plan, Summary};
 pub use render::Auto;
 
-/// What a pilot is to find a plan for.
+/// The task that a pilot finds a plan for.
 struct Pilot<'a> {
     view: View<'a>,
     importance: &'a PixelImportance,
@@ -93,7 +93,7 @@ impl Pilot<'_> {
         parts.open_to_chains().into_iter().map(part).collect()
     }
 
-    /// What is best by what is known.
+    /// The best plan by what is known.
     fn choose(&self, findings: &Findings, costs: &[Costs]) -> Choice {
         // A round has one sample at least.
         let budget = self.per_pixel.max(1.0) * findings.measured.path.work;
@@ -125,7 +125,7 @@ impl Pilot<'_> {
         mixture.unwrap_or_else(|| with_shares(choice.single))
     }
 
-    /// What each part costs each estimator, and what chains find there, from more rounds if chains are to do anything; and
+    /// Cost of each part by each estimator, and what chains find there, from more rounds if chains are to do anything; and
     /// what the rounds took.
     fn costs(
         &self,
@@ -190,7 +190,7 @@ impl Pilot<'_> {
         ((MUTATIONS * f64::from(pixels) / parts.max(1) as f64) as u64).max(LEAST_CHAIN)
     }
 
-    /// What independent samples have missed, in each part.
+    /// Light that independent samples have missed, in each part.
     fn tails(
         &self,
         view: View,
@@ -208,7 +208,7 @@ impl Pilot<'_> {
         (parts.of_all(found), spent)
     }
 
-    /// What chains find in each part.
+    /// Findings of chains in each part.
     fn chains(&self, view: View, strata: &[LightStratum], findings: &Findings, rounds: u64) -> (Vec<Chained>, Tally) {
         let mutations = self.mutations(view.camera.pixels(), strata.len());
         let share = Share { mutations, samples: mutations.div_ceil(MUTATIONS_PER_SAMPLE) };

@@ -70,7 +70,7 @@ impl<'a> Parts<'a> {
         self.groups[self.at(part).group]
     }
 
-    /// What is known of each part, in one slice for each of the lights' parts.
+    /// Knowledge of each part, in one slice for each of the lights' parts.
     pub(super) fn by_light<'v, T>(&self, of_parts: &'v [T]) -> impl Iterator<Item = &'v [T]> {
         of_parts.chunks(self.groups.len())
     }

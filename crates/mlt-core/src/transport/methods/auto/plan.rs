@@ -1,6 +1,6 @@
-//! What a pilot decides, and why.
+//! Plan of a pilot, and its reasons.
 
-use super::candidates::{Candidate, OF_A_LENGTH, Sampler};
+use super::candidates::{Candidate, PER_LENGTH, Sampler};
 use super::decide::{Costs, Decision};
 use super::parts::Parts;
 use crate::engine::Share;
@@ -18,7 +18,7 @@ pub struct Plan {
     pub(in crate::transport) chained: Vec<Kinds>,
     /// Chains of a round, one share for each part with any such kinds.
     pub(in crate::transport) shares: Vec<Share>,
-    /// What was decided, for a report.
+    /// The decision, for a report.
     pub summary: Summary,
 }
 
@@ -47,7 +47,7 @@ impl Plan {
     }
 }
 
-/// What a pilot decided.
+/// Decision of a pilot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// The independent method.
@@ -58,7 +58,7 @@ pub struct Summary {
     pub parts: Vec<PartSummary>,
 }
 
-/// What a pilot found of one part of path space.
+/// Findings of a pilot in one part of path space.
 ///
 /// Each noise is error × work: the part's contribution to the image's mean of Var/(L² + (L̄/10)²), times the rays that
 /// were traced for it a pixel. It is infinite where a method missed what another one found, where it rests on too few
@@ -82,13 +82,13 @@ pub struct PartSummary {
 /// A report of a decision.
 pub(super) fn summary(parts: &Parts, decision: &Decision, costs: &[Costs], candidates: &[Candidate]) -> Summary {
     // Path tracing without branches and bidirectional path tracing, of paths of all lengths, are the first and the last.
-    let lengths = &candidates[candidates.len() - OF_A_LENGTH..];
-    let noise = |costs: &Costs, m: usize| costs.independent[candidates.len() - OF_A_LENGTH + m] * lengths[m].work;
+    let lengths = &candidates[candidates.len() - PER_LENGTH..];
+    let noise = |costs: &Costs, m: usize| costs.independent[candidates.len() - PER_LENGTH + m] * lengths[m].work;
     let part = |(i, costs): (usize, &Costs)| PartSummary {
         light: parts.at(i).light,
         kinds: parts.group(i),
         path: noise(costs, 0),
-        bidirectional: noise(costs, OF_A_LENGTH - 1),
+        bidirectional: noise(costs, PER_LENGTH - 1),
         chains: costs.chains,
         in_chains: decision.in_chains[i],
     };

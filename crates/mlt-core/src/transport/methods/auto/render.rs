@@ -45,7 +45,7 @@ impl<'a> Auto<'a> {
         Self { view, settings, importance, lights, plan, pilot: PilotCounts::default() }
     }
 
-    /// What was decided.
+    /// The decision.
     pub fn decision(&self) -> &Summary {
         &self.plan.summary
     }

@@ -6,7 +6,7 @@ use super::parts::Parts;
 use crate::engine::{Measure, Share, allocate};
 use crate::transport::paths::Kinds;
 
-/// What chains do in a round.
+/// Work of chains in a round.
 pub(super) struct Chains {
     /// The kinds of each of the lights' parts that they sample.
     pub(super) kinds: Vec<Kinds>,
@@ -58,7 +58,7 @@ pub(super) fn share_out(
     Chains { kinds, shares, work, excess }
 }
 
-/// What chains sample in each of the lights' parts, and what is known of it where that is anything.
+/// The kinds that chains sample in each of the lights' parts, and what is known of them where that is anything.
 fn unions(parts: &Parts, decision: &Decision, measures: &[Measure]) -> (Vec<Kinds>, Vec<Measure>) {
     let (mut chained, mut unions) = (Vec::new(), Vec::new());
     for (in_chains, measures) in parts.by_light(&decision.in_chains).zip(parts.by_light(measures)) {

@@ -1,4 +1,4 @@
-//! What independent samples have not met yet, told by chains.
+//! Tails: light that independent samples have not met yet, told by chains.
 
 use super::constants::{CHAIN_PILOT, CHAINS, MUTATIONS_PER_SAMPLE, NEW};
 use super::per_method::PerMethod;
@@ -33,7 +33,7 @@ pub(super) struct Tails<'a> {
     pub(super) weights: &'a [f64],
 }
 
-/// What a method has not met of a part.
+/// Light of a part that a method has not met.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Tail {
     /// Second moment.
@@ -49,7 +49,7 @@ impl Tail {
     }
 }
 
-/// What one chain saw.
+/// Tails by one chain.
 #[derive(Clone, Copy, Default)]
 struct OfChain {
     /// b of the part, from the samples that it started from.

@@ -1,6 +1,6 @@
 //! Connections of two subpaths for the image alone: the contribution of a path without the path.
 //!
-//! What a path's parts contribute and how else they could have been made is known when the subpaths are traced; a
+//! The contribution of a path's parts, and the other ways to make them, are known when the subpaths are traced; a
 //! connection adds what depends on its edge. [`Bidirectional::sample`] finds the same from whole paths.
 
 use super::sampler::{Bidirectional, Carried, LightSubpath, Scratch, Subpath};

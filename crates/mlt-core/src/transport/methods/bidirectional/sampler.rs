@@ -73,7 +73,7 @@ pub(crate) struct Subpath {
     carried: Vec<Carried>,
 }
 
-/// What a subpath carries to a vertex.
+/// Light or importance that a subpath carries to a vertex.
 #[derive(Clone, Copy)]
 pub(crate) struct Carried {
     /// Contribution over density so far, roulette included.
@@ -94,7 +94,7 @@ impl Subpath {
         self.carried.push(Carried { throughput: DVec3::splat(throughput), survival: 1.0, others: 0.0 });
     }
 
-    /// What comes to the last of the first `n` vertices.
+    /// Light or importance that comes to the last of the first `n` vertices.
     pub(crate) fn carried(&self, n: usize) -> Carried {
         self.carried[n - 1]
     }
@@ -260,7 +260,7 @@ impl Bidirectional<'_> {
         }
     }
 
-    /// What a path with s vertices from the light begins with: the subpath of many vertices or that of one.
+    /// Beginning of a path with s vertices from the light: the subpath of many vertices or that of one.
     #[inline]
     pub(crate) fn beginning<'s>(&self, s: usize, many: &'s LightSubpath, one: &'s LightSubpath) -> &'s LightSubpath {
         if s == 1 && self.region.light_sampler().has_choice() { one } else { many }

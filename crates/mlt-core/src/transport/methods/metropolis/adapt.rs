@@ -15,7 +15,7 @@ pub enum Weights {
     Adaptive,
 }
 
-/// What the pilot does.
+/// Options of the pilot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Adaptation {
     /// How n_j is chosen.
@@ -43,7 +43,7 @@ const FINE: usize = 64;
 /// Measurements, each of which may double the strata.
 const LEVELS: u64 = 3;
 /// Mutations of an average stratum in a round, so that `auto` does not cut any finer.
-const MUTATIONS_A_STRATUM: f64 = 8.0 * LEAST_CHAIN as f64;
+const MUTATIONS_PER_STRATUM: f64 = 8.0 * LEAST_CHAIN as f64;
 
 /// Most of a round that strata may take if each gets no more than the shortest useful chain.
 const MOST_IN_SHORT_CHAINS: f64 = 0.25;
@@ -51,7 +51,7 @@ const MOST_IN_SHORT_CHAINS: f64 = 0.25;
 /// Runs pilot rounds of given strata with given shares.
 pub(crate) type Measurement<'a> = dyn Fn(&LightStrata, &[Share], Range<u64>) -> (Vec<Measure>, Tally) + 'a;
 
-/// What a pilot is made of: the settings, and a way to measure given strata with given shares.
+/// Parts of a pilot: the settings, and a way to measure given strata with given shares.
 pub(crate) struct Pilot<'a> {
     pub(crate) lights: &'a Lights,
     pub(crate) adaptation: Adaptation,
@@ -67,12 +67,12 @@ pub(crate) struct Pilot<'a> {
     pub(crate) measure: &'a Measurement<'a>,
 }
 
-/// What a render is to use.
+/// Strata and shares for a render.
 pub(crate) struct Adapted {
     pub(crate) strata: LightStrata,
     /// `None`: in proportion to power.
     pub(crate) shares: Option<Vec<Share>>,
-    /// What the pilot spent.
+    /// Cost of the pilot.
     pub(crate) tally: Tally,
 }
 
@@ -107,7 +107,7 @@ impl Pilot<'_> {
     /// error at the best allocation, √(chain_error · cost), as long as there is room.
     fn refine(&self, tally: &mut Tally) -> LightStrata {
         let tree = LightTree::new(self.lights);
-        let room = (self.mutations / self.classes as f64 / MUTATIONS_A_STRATUM) as usize;
+        let room = (self.mutations / self.classes as f64 / MUTATIONS_PER_STRATUM) as usize;
         let most = room.clamp(1, FINE);
         let mut nodes = tree.cut(COARSE.min(most), 0.0);
         for level in 0..LEVELS {

@@ -1,4 +1,4 @@
-//! What the chains of a render share with those of its pilot.
+//! Chains of a render and of its pilot.
 
 use super::adapt::{Adaptation, Adapted, Pilot, Weights};
 use super::mutate::PathMutation;

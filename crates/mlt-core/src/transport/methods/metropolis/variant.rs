@@ -1,6 +1,6 @@
-//! What strata restrict.
+//! The chains or mutations that strata restrict.
 
-/// What a stratum restricts.
+/// The chains or mutations that a stratum restricts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Variant {
     /// The importance and the bidirectional mutation: I_j is 0 outside Ω_j.

@@ -1,4 +1,4 @@
-//! What the two methods in primary sample space share.
+//! Chains of the two methods in primary sample space.
 
 use super::Part;
 use crate::engine::{Importance, Mixture, Mutation, Outcome, Path, Share, Splat, Stratum};
@@ -26,7 +26,7 @@ impl<'a> PrimaryChains<'a> {
         Self { view, importance: importance(view, &settings), strata, settings }
     }
 
-    /// What the tracers share.
+    /// State that the tracers share.
     pub(super) fn part(&self) -> Part<'_, PixelImportance> {
         let (view, strata, max_edges) = (self.view, &self.strata, self.settings.most_edges());
         Part { view, strata, index: 0, max_edges, importance: &self.importance }

@@ -18,7 +18,7 @@ use crate::transport::scene::View;
 pub use mmlt::{Mmlt, Multiplexed, Technique, Techniques};
 pub use pssmlt::{AllConnections, Pssmlt, Splats};
 
-/// What the two tracers share: a part of path space, and the scalar that its chains sample.
+/// State that the two tracers share: a part of path space, and the scalar that its chains sample.
 pub struct Part<'a, I> {
     /// Scene and camera.
     pub view: View<'a>,

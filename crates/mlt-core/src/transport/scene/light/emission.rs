@@ -1,4 +1,4 @@
-//! What a vertex on a light emits: the same radiance in every direction of its front, or of both of its sides.
+//! Emission of a vertex on a light: the same radiance in every direction of its front, or of both of its sides.
 
 use crate::engine::uniform_f32;
 use crate::transport::colour::Rgb;

@@ -27,7 +27,7 @@ pub(super) fn ties(primitives: &[Primitive]) -> Vec<(u32, Vec<(u32, f32)>)> {
     partners.filter(|(_, partners)| !partners.is_empty()).collect()
 }
 
-/// What lies in a node.
+/// Content of a node.
 #[derive(Clone, Copy)]
 struct Bound {
     low: Vec3,

@@ -18,7 +18,7 @@ fn from_above(builder: Builder) -> World {
     builder.seen(DVec3::new(0.1, 5.0, 0.2), DVec3::ZERO, 40.0, [8, 8])
 }
 
-/// What a ray from far above or below meets at height 0.
+/// The surface that a ray from far above or below meets at height 0.
 fn met(scene: &Scene, [x, z]: [f32; 2], down: bool) -> Vertex {
     let sign = if down { 1.0 } else { -1.0 };
     let eye = Vertex::camera(Vec3A::new(x + 0.3, 2.0 * sign, z - 0.2), Vec3A::Y);

@@ -150,7 +150,7 @@ impl Edit {
         mis::kept_reference(&x.vertices, &y.vertices, self.s) * (first(y, self.added) / first(x, self.deleted))
     }
 
-    /// What the new vertices of `path` start on. If x_0 is kept, it does not matter how it could be drawn.
+    /// The ends that the new vertices of `path` start on. If x_0 is kept, it does not matter how it could be drawn.
     fn ends(&self, path: &LightPath, within: &LightStratum, region: &LightRegion) -> Ends {
         let area = within.image_area();
         match (self.s, self.added) {

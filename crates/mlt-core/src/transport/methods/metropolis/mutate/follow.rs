@@ -1,4 +1,4 @@
-//! What perturbations share: small turns of a direction, and the same specular events followed again.
+//! Shared by perturbations: small turns of a direction, and the same specular events followed again.
 //!
 //! A perturbation replaces neighbouring vertices one by one: the first direction out of a vertex that is not specular is
 //! turned, and at specular vertices the old event (reflection, transmission) is repeated. With the vertices in the order in
