@@ -67,7 +67,7 @@ fn plain_monte_carlo(samples: u64) -> Pixel {
 
 // What the engine asks for.
 
-/// Eight numbers, and the path that they make: image point, lamp point seen from the first surface, direction of the
+/// Eight numbers, and the path that they make: film point, lamp point seen from the first surface, direction of the
 /// bounce, lamp point seen from the second surface.
 #[derive(Clone)]
 struct Numbers {

@@ -18,7 +18,7 @@ pub trait ImageSampler: Sync {
     fn size(&self) -> [u32; 2];
 
     /// Takes one sample through `film`, in [0, 1)², and shows `visit` its parts: the pixel, if it is not the one at
-    /// `film`, and the radiance. Over uniform points of the image, their expected sum in a pixel is the pixel's radiance
+    /// `film`, and the radiance. Over uniform film points, their expected sum in a pixel is the pixel's radiance
     /// over the number of pixels.
     fn sample(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd));
 }
@@ -122,7 +122,7 @@ impl<T: ImageSampler, S: Selection> Work for Pixels<'_, T, S> {
     }
 }
 
-/// A uniform point of a pixel, as a point of the image in [0, 1)².
+/// A uniform point of a pixel, as a film point in [0, 1)².
 pub(crate) fn point_in_pixel(pixel: u64, [w, h]: [u32; 2], rng: &mut impl Rng) -> Vec2 {
     let corner = Vec2::new((pixel % u64::from(w)) as f32, (pixel / u64::from(w)) as f32);
     let inside = Vec2::new(uniform_f32(rng), uniform_f32(rng));

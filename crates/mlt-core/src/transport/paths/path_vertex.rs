@@ -153,7 +153,7 @@ pub(crate) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: V
     }
 }
 
-/// W_e, and the density of a direction to the light through a uniform point of the image; `None` behind the image.
+/// W_e, and the density of a direction to the light through a uniform film point; `None` behind the image.
 #[inline(always)]
 fn sensitivity(view: &View, x: &PathVertex, to_light: Vec3A) -> Option<Evaluation> {
     let (lens, camera) = (&x.vertex, view.camera);

@@ -73,7 +73,7 @@ pub(crate) fn follow_from_light(
     Some(())
 }
 
-/// Follows the ray through a point of the image from the camera x_i to x_{i−1}, and sets the edge between them.
+/// Follows the ray through a film point from the camera x_i to x_{i−1}, and sets the edge between them.
 #[inline(always)]
 pub(crate) fn start_at_eye(
     vertices: &mut [PathVertex],

@@ -57,8 +57,8 @@ impl ImageSampler for Bidirectional<'_> {
 }
 
 impl Bidirectional<'_> {
-    /// Takes one sample through a point of the image and shows `visit` its parts, weighted contributions over densities.
-    /// Those with a pixel cross the image there, all others at the point. Over uniform points of the image, their expected
+    /// Takes one sample through a film point and shows `visit` its parts, weighted contributions over densities.
+    /// Those with a pixel cross the image there, all others at the point. Over uniform film points, their expected
     /// sum in a pixel is the integral of f over the paths through it.
     pub fn sample_image(&self, film: Vec2, rng: &mut impl Rng, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd)) {
         self.with_subpaths(film, rng, |scratch, _| {

@@ -127,7 +127,7 @@ thread_local! {
 }
 
 impl Bidirectional<'_> {
-    /// Draws two subpaths, the camera's through a uniform point of the image, and shows `visit` every connected path with
+    /// Draws two subpaths, the camera's through a uniform film point, and shows `visit` every connected path with
     /// its weight w_s/p_s, in which E[Σ w_s/p_s · g(x)] = ∫ g over the paths that start in the region, as far as s ≥ 1;
     /// for s = 0 over those that start anywhere.
     pub fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
@@ -183,7 +183,7 @@ impl Bidirectional<'_> {
         }
     }
 
-    /// Traces two subpaths, the camera's through a given point of the image, and hands them over.
+    /// Traces two subpaths, the camera's through a given film point, and hands them over.
     pub(crate) fn with_subpaths<R: Rng>(&self, film: Vec2, rng: &mut R, use_them: impl FnOnce(&mut Scratch, &mut R)) {
         SCRATCH.with_borrow_mut(|scratch| {
             // The light subpath's first numbers come first, so that they are the same coordinates in every sample.

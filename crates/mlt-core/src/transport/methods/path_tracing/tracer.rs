@@ -70,7 +70,7 @@ impl ImageSampler for PathTracer<'_> {
 }
 
 impl PathTracer<'_> {
-    /// Takes one sample through a point of the image and shows `visit` its parts, whose expected sum is the radiance.
+    /// Takes one sample through a film point and shows `visit` its parts, whose expected sum is the radiance.
     #[inline(always)]
     pub fn sample(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let View { scene, camera } = self.view;

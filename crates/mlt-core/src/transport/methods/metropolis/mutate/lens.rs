@@ -6,7 +6,7 @@
 //!
 //! T(y→x) / T(x→y) = Π_{m ≤ i < k} q_i(x) / q_i(y),  q_{k−1} = reverse_{k−1},  q_i = reverse_i / P(event at x_{i+1}),
 //!
-//! q_i being the density of x_i when the image point is uniform and the events are given.
+//! q_i being the density of x_i when the film point is uniform and the events are given.
 //!
 //! Source: [VeachGuibas97], section 5.3.3.
 
