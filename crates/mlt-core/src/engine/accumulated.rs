@@ -33,7 +33,7 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         &self.film
     }
 
-    /// What was counted.
+    /// Counts of the rounds.
     pub fn tally(&self) -> &T {
         &self.tally
     }
