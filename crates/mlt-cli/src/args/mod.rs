@@ -8,6 +8,7 @@ pub mod bench;
 pub mod perturbations;
 pub mod render;
 pub mod values;
+pub mod variant;
 pub mod verify;
 
 /// Stratified Metropolis light transport.

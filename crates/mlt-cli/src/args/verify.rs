@@ -4,8 +4,10 @@ use std::{num::NonZeroUsize, path::PathBuf};
 
 use clap::Args;
 
-use super::values::{Size, per_pixel, relative_error, threads};
-use crate::bench::Variant;
+use super::{
+    values::{Size, per_pixel, relative_error, threads},
+    variant::Variant,
+};
 
 /// Options of `mlt verify`.
 #[derive(Args, Clone, Debug)]

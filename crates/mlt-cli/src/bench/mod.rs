@@ -1,6 +1,5 @@
 //! `mlt bench`: error charted against time, rays and mutations.
 
-mod budget;
 mod chart;
 mod folder;
 mod journal;
@@ -13,7 +12,6 @@ pub(crate) mod statistics;
 mod study;
 mod subject;
 mod summary;
-mod variant;
 
 use anyhow::Context;
 
@@ -23,9 +21,6 @@ use journal::Journal;
 use runs::{Ready, say};
 use study::{Study, Truth};
 use subject::{Reference, Subject};
-
-pub use budget::Budget;
-pub use variant::Variant;
 
 /// Makes the runs that are missing, and the report.
 pub fn run(options: &BenchOptions) -> Result<(), Failure> {

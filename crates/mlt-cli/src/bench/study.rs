@@ -2,8 +2,13 @@
 
 use std::path::PathBuf;
 
-use super::{Budget, Variant};
-use crate::{Failure, args::bench::BenchOptions};
+use crate::{
+    Failure,
+    args::{
+        bench::{BenchOptions, Budget},
+        variant::Variant,
+    },
+};
 
 /// Samples of the reference per pixel in the paper's table.
 const PAPER_REFERENCE: f64 = 1280.0;

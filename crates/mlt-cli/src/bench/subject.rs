@@ -7,14 +7,17 @@ use mlt_core::measure::{Measures, REL_MSE_EPSILON};
 use mlt_core::transport::luminance;
 
 use super::{
-    Budget, Variant,
     folder::{Folder, WithErrors},
     row::Errors,
     study::Truth,
 };
 use crate::{
     Failure,
-    args::{bench::BenchOptions, values::Size},
+    args::{
+        bench::{BenchOptions, Budget},
+        values::Size,
+        variant::Variant,
+    },
     diff,
     image::Image,
     interrupt::Interrupt,

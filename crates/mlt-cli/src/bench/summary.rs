@@ -5,6 +5,7 @@ use super::{
     statistics::{Crossing, crossing, log_log_slope, mean_of, median_of},
     study::Study,
 };
+use crate::args::{bench::Budget, variant::Variant};
 
 /// Horizontal axis of a chart of error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,10 +110,10 @@ impl Curve<'_> {
 
 /// All curves of a scene, in the order of the methods.
 pub fn curves<'a>(study: &Study, rows: &'a [Row], scene: &str) -> Vec<Curve<'a>> {
-    let of_method = |(method, variant): (usize, &super::Variant)| {
+    let of_method = |(method, variant): (usize, &Variant)| {
         let text = variant.to_string();
         let mine = || rows.iter().filter(|row| row.key.scene == scene && row.key.method == text);
-        let of_budget = |budget: &super::Budget| {
+        let of_budget = |budget: &Budget| {
             let budget = budget.to_string();
             let rows: Vec<&Row> = mine().filter(|row| row.key.budget == budget).collect();
             (!rows.is_empty()).then_some(Point { rows })
@@ -133,10 +134,7 @@ pub fn usual_target(curves: &[Curve]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{
-        super::{Budget, row::tests::row},
-        *,
-    };
+    use super::{super::row::tests::row, *};
 
     #[test]
     fn rows_become_curves() {

@@ -23,7 +23,6 @@ use crate::{
 pub(crate) use blocks::{Blocks, Grid};
 pub(crate) use plan::Plan;
 pub(crate) use setup::Setup;
-pub(crate) use trust::Trust;
 
 /// Renders, writes the files, and reports.
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {

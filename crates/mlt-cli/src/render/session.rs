@@ -11,11 +11,12 @@ use mlt_core::transport::render::{Counts, Renderer};
 use mlt_core::transport::scene::View;
 
 use super::{
-    Plan, Setup, Trust,
+    Plan, Setup,
     blocks::Blocks,
     ending::{Ending, STEPS},
     settings::{settings, without_pilot},
     summary::report,
+    trust::trust,
 };
 use crate::{
     Failure,
@@ -97,7 +98,7 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
     report.agreement = blocks.agreement().filter(|_| counts.steps() > 0);
     report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));
     report.warnings.extend(ending.missed(film.rounds(), report.relative_error).filter(|_| !interrupted));
-    report.trust = Trust::new(&film, &counts, &blocks, setup.camera.size());
+    report.trust = trust(&film, &counts, &blocks, setup.camera.size());
     report.warnings.extend(report.trust.doubts());
     report.decision = renderer.decision().map(Decision::from);
     report.interrupted = interrupted;

@@ -6,10 +6,10 @@ use mlt_core::engine::{Film, MutationStats, Pixel, StratumStats, Tally};
 use mlt_core::transport::image::{mean_luminance, relative_error};
 use mlt_core::transport::render::Counts;
 
-use super::{Setup, Trust, losses::losses, plan::TRUSTED_ROUNDS};
+use super::{Setup, losses::losses, plan::TRUSTED_ROUNDS};
 use crate::{
     args::render::{RenderOptions, value_name},
-    report::{Acceptance, Report, StratumReport},
+    report::{Acceptance, Report, StratumReport, Trust},
 };
 
 /// The report, but for times, files and what only the session knows.

@@ -4,82 +4,24 @@ use mlt_core::engine::{Film, StratumStats};
 use mlt_core::transport::image::{luminance_and_error, mean_luminance};
 use mlt_core::transport::render::Counts;
 use rayon::prelude::*;
-use serde::Serialize;
 
 use super::{blocks::Blocks, plan::TRUSTED_ROUNDS};
+use crate::report::Trust;
 
 /// Share of the pixels that are the worst.
 const WORST: f64 = 0.01;
 /// Half the side of the square that is around a pixel.
 const AROUND: usize = 2;
-/// Share of the image's squared relative error that is too much for them.
-const MOST_OF_WORST: f64 = 0.7;
-/// Share of the light in a part of the image that is too much for one round.
-const MOST_OF_ROUND: f64 = 1.0 / 3.0;
-/// Fewest independent samples of equal weight that chains should start from.
-const LEAST_STARTS: f64 = 50.0;
-/// Share of the image's light that samples may have missed, where the error of b does not tell, before b is called a lower bound.
-const MOST_UNMET: f64 = 0.02;
-/// The remedy, in words.
-const REMEDY: &str = "render longer, or by another method";
 
-/// Figures that tell whether the bars of an image can be trusted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Trust {
-    /// Share of the squared relative error, as estimated, that lies in the worst hundredth of the pixels; `None` without any, and with
-    /// too few rounds.
-    pub worst_pixels: Option<f64>,
-    /// Largest share that one round has of the light in a part of the image; `None` with too few rounds.
-    pub largest_round: Option<f64>,
-    /// Independent samples of equal weight that chains start from; `None` without chains.
-    pub starts: Option<f64>,
-    /// Share of the image's light that chains found on paths which all independent samples were to meet fewer than ten times; `None`
-    /// without chains.
-    pub unmet_light: Option<f64>,
-    /// Standard error of b over b; `None` where it is not known.
-    pub b_error: Option<f64>,
-}
-
-impl Trust {
-    /// Of a render.
-    pub fn new(film: &Film<3>, counts: &Counts, blocks: &Blocks, size: [u32; 2]) -> Self {
-        let (enough, b) = (film.rounds() >= TRUSTED_ROUNDS, mean_luminance(film));
-        Self {
-            worst_pixels: enough.then(|| worst_pixels(film, size)).flatten(),
-            largest_round: enough.then(|| blocks.largest_round()).flatten(),
-            starts: starts(&counts.chains.strata),
-            unmet_light: unmet_light(counts, b.mean),
-            b_error: Some(b.stderr / b.mean).filter(|error| error.is_finite()),
-        }
-    }
-
-    /// Why the bars are not to be trusted, and why b is a lower bound.
-    pub fn doubts(&self) -> Vec<String> {
-        let Self { worst_pixels, largest_round, starts, unmet_light, b_error } = *self;
-        let above =
-            |figure: Option<f64>, most: f64| figure.filter(|&figure| figure > most).map(|figure| 100.0 * figure);
-        let reasons: Vec<String> = [
-            above(worst_pixels, MOST_OF_WORST)
-                .map(|share| format!("one pixel in a hundred holds {share:.0} % of the error")),
-            above(largest_round, MOST_OF_ROUND)
-                .map(|share| format!("one round brought {share:.0} % of the light in a part of the image")),
-            starts
-                .filter(|&starts| starts < LEAST_STARTS)
-                .map(|starts| format!("the chains start from what {starts:.0} independent samples are worth")),
-        ]
-        .into_iter()
-        .flatten()
-        .collect();
-        let bars = (!reasons.is_empty())
-            .then(|| format!("the error bars cannot be trusted: {}; {REMEDY}", reasons.join(", and ")));
-        let told = b_error.unwrap_or(f64::INFINITY);
-        let b = above(unmet_light, MOST_UNMET.max(told)).map(|share| {
-            format!(
-                "b is a lower bound, and the image may be too dark: {share:.0} % of the light comes by paths that the samples at which \
-                 chains start were to find fewer than ten times; {REMEDY}"
-            )
-        });
-        bars.into_iter().chain(b).collect()
+/// The figures of a render.
+pub fn trust(film: &Film<3>, counts: &Counts, blocks: &Blocks, size: [u32; 2]) -> Trust {
+    let (enough, b) = (film.rounds() >= TRUSTED_ROUNDS, mean_luminance(film));
+    Trust {
+        worst_pixels: enough.then(|| worst_pixels(film, size)).flatten(),
+        largest_round: enough.then(|| blocks.largest_round()).flatten(),
+        starts: starts(&counts.chains.strata),
+        unmet_light: unmet_light(counts, b.mean),
+        b_error: Some(b.stderr / b.mean).filter(|error| error.is_finite()),
     }
 }
 
@@ -161,14 +103,14 @@ mod tests {
         let noise = |_: u32, _: u32, round: u32| 0.9 + 0.2 * f64::from(round % 2);
         assert!((worst(noise) - 0.01).abs() < 1e-6);
         let firefly = |x, y, round| if (x, y, round) == (9, 9, 3) { 100.0 } else { noise(x, y, round) };
-        assert!(worst(firefly) > MOST_OF_WORST);
+        assert!(worst(firefly) > Trust::MOST_OF_WORST);
         // Columns of a lamp, of which every other pixel of the first is hidden in half of the rounds.
         let lamp = |x: u32, y: u32, round| match x {
             ..15 => noise(x, y, round),
             15 if y.is_multiple_of(2) => 100.0 * f64::from(round % 2),
             _ => 100.0,
         };
-        assert!(worst(lamp) < MOST_OF_WORST, "{}", worst(lamp));
+        assert!(worst(lamp) < Trust::MOST_OF_WORST, "{}", worst(lamp));
         assert_eq!(worst_pixels(&film(|_, _, _| 0.0), [SIDE; 2]), None);
     }
 
@@ -193,30 +135,5 @@ mod tests {
         // A dim stratum counts for little.
         assert_eq!(of(&[stratum(40, 2.0), stratum(1, 1e-3)]), 40.0);
         assert_eq!(starts(&[]), None);
-    }
-
-    #[test]
-    fn doubts_name_their_figures() {
-        let sound = Trust {
-            worst_pixels: Some(0.3),
-            largest_round: Some(0.2),
-            starts: Some(900.0),
-            unmet_light: Some(0.01),
-            b_error: Some(0.001),
-        };
-        assert!(sound.doubts().is_empty() && Trust::default().doubts().is_empty());
-        // What the error of b tells is no news.
-        assert!(Trust { unmet_light: Some(0.05), b_error: Some(0.06), ..sound }.doubts().is_empty());
-        let doubts = Trust {
-            worst_pixels: Some(0.93),
-            largest_round: Some(0.5),
-            starts: Some(12.0),
-            unmet_light: Some(0.34),
-            b_error: Some(0.06),
-        }
-        .doubts();
-        let [bars, b] = &doubts[..] else { panic!("{doubts:?}") };
-        assert!(["93 %", "50 %", "what 12 independent samples"].iter().all(|figure| bars.contains(figure)), "{bars}");
-        assert!(b.starts_with("b is a lower bound") && b.contains("34 % of the light"), "{b}");
     }
 }

@@ -1,15 +1,17 @@
 //! Report of a render.
 
 mod decision;
+mod trust;
 
 use std::{collections::BTreeMap, fmt};
 
 use mlt_core::engine::HalfChains;
 use serde::Serialize;
 
-use crate::{progress::short, render::Trust};
+use crate::progress::short;
 
 pub use decision::{Decision, Part};
+pub use trust::Trust;
 
 /// The report of `mlt render --json`, one object; [`Display`](fmt::Display) is the same for reading.
 #[derive(Clone, Debug, Serialize)]

@@ -8,7 +8,7 @@ use rand_pcg::{
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::{bias::SIGNIFICANCE, evidence::Replica, verdict::Fault};
+use super::{bias::SIGNIFICANCE, evidence::Replica, fault::Fault};
 
 /// R̂ above this is disagreement, if it is significant as well.
 pub const DISAGREEMENT: f64 = 1.05;

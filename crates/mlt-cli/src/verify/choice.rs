@@ -13,11 +13,8 @@ use statrs::distribution::{DiscreteCDF, Hypergeometric};
 use super::{errors::rel_mse, evidence::pixels};
 use crate::{
     Failure,
-    args::{render::RenderOptions, verify::VerifyOptions},
-    bench::{
-        Variant,
-        statistics::{mean_of, median_of},
-    },
+    args::{render::RenderOptions, variant::Variant, verify::VerifyOptions},
+    bench::statistics::{mean_of, median_of},
     interrupt::Interrupt,
     print,
     render::{self, Setup},

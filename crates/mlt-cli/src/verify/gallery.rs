@@ -20,9 +20,9 @@ use crate::{
     Failure,
     args::{
         render::{Method, value_name},
+        variant::Variant,
         verify::VerifyOptions,
     },
-    bench::Variant,
     output::atomic,
 };
 

@@ -8,6 +8,7 @@ pub mod chains;
 pub mod choice;
 pub mod errors;
 pub mod evidence;
+pub mod fault;
 mod gallery;
 pub mod study;
 pub mod verdict;
@@ -17,7 +18,12 @@ use std::path::Path;
 
 use anyhow::Context;
 
-use crate::{Failure, args::verify::VerifyOptions, bench::Variant, interrupt::Interrupt, print};
+use crate::{
+    Failure,
+    args::{variant::Variant, verify::VerifyOptions},
+    interrupt::Interrupt,
+    print,
+};
 use evidence::Evidence;
 use study::{Effort, Reference, Subject, reference_for};
 use verdict::{Names, Status, Verdict, judge};

@@ -16,8 +16,9 @@ use crate::{
     args::{
         render::{Method, RenderOptions},
         values::Size,
+        variant::Variant,
     },
-    bench::{Variant, statistics::mean_of},
+    bench::statistics::mean_of,
     interrupt::Interrupt,
     render::{self, Plan, Setup},
 };

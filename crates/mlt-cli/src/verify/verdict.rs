@@ -9,6 +9,7 @@ use super::{
     chains::{Chains, chains},
     errors::{Errors, errors},
     evidence::Evidence,
+    fault::Fault,
 };
 
 /// Least share of 95 % intervals that has to hold the truth.
@@ -40,22 +41,6 @@ impl Status {
             Self::Inconclusive => "inconclusive",
             Self::Fails => "fails",
         }
-    }
-}
-
-/// Something wrong.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct Fault {
-    /// In a word: wrong, rounds, b, seeds, unsteady, bars.
-    pub word: String,
-    /// In a sentence without a full stop.
-    pub sentence: String,
-}
-
-impl Fault {
-    /// From a word and a sentence.
-    pub fn new(word: &str, sentence: String) -> Self {
-        Self { word: word.to_owned(), sentence }
     }
 }
 

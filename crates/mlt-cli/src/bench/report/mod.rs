@@ -6,7 +6,6 @@ use anyhow::Context;
 use askama::Template;
 
 use super::{
-    Budget,
     chart::{self, significant},
     paint,
     paper::{Cell as PaperCell, Comparison},
@@ -16,7 +15,7 @@ use super::{
     subject::{Reference, Subject},
     summary::{Axis, Curve, Point, curves, usual_target},
 };
-use crate::args::bench::BenchOptions;
+use crate::args::bench::{BenchOptions, Budget};
 use tables::{Line, RatioLine, acceptance, class, error_cells, interval, line, mutations, ratio_line, reach};
 
 #[derive(Template)]

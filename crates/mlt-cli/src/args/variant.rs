@@ -4,10 +4,8 @@ use std::{ffi::OsString, fmt, path::Path, str::FromStr};
 
 use clap::{Args, FromArgMatches};
 
-use crate::{
-    args::render::{RenderOptions, value_name},
-    exit::one_sentence,
-};
+use super::render::{RenderOptions, value_name};
+use crate::exit::one_sentence;
 
 /// Options that all runs of a study share, and that a method can therefore not have for itself.
 const SHARED: [&str; 15] = [
