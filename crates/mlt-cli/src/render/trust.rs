@@ -109,13 +109,13 @@ fn unmet_light(counts: &Counts, b: f64) -> Option<f64> {
     let sum = |value: fn(&StratumStats) -> f64| counts.chains.strata.iter().map(value).sum::<f64>();
     let chains = sum(StratumStats::b);
     let all = if counts.samples == 0 { chains } else { chains.max(b) };
-    (all > 0.0 && counts.steps() > 0).then(|| sum(|s| s.b() * s.rarity.unmet(s.weight_sum)) / all)
+    (all > 0.0 && counts.steps() > 0).then(|| sum(|s| s.b() * s.rarity.unmet(s.weight_sum.value())) / all)
 }
 
 /// (Σ b_j)²/Σ_j Σ w²/m_j², m_j samples of weights w having the mean b_j.
 fn starts(strata: &[StratumStats]) -> Option<f64> {
     let b: f64 = strata.iter().map(StratumStats::b).sum();
-    let squares = |s: &StratumStats| s.weight_squares / (s.samples as f64).powi(2);
+    let squares = |s: &StratumStats| s.weight_squares.value() / (s.samples as f64).powi(2);
     let starts = b * b / strata.iter().filter(|s| s.samples > 0).map(squares).sum::<f64>();
     starts.is_finite().then_some(starts)
 }
@@ -132,8 +132,8 @@ mod tests {
     fn stratum(n: u32, weight: f64) -> StratumStats {
         StratumStats {
             samples: 100,
-            weight_sum: f64::from(n) * weight,
-            weight_squares: f64::from(n) * weight * weight,
+            weight_sum: (f64::from(n) * weight).into(),
+            weight_squares: (f64::from(n) * weight * weight).into(),
             ..StratumStats::default()
         }
     }

@@ -1,5 +1,8 @@
 //! Whether the chains of a stratum agree.
 
+use super::bytes::put;
+use super::{DecodeError, ExactSum, Reader};
+
 /// Moments of g(x) = log₂ I(x) over halves of chains.
 ///
 /// With W the mean variance of g inside a half of n states, and V the variance of the means of m halves,
@@ -9,16 +12,16 @@
 /// Chains that stay where they started, or whose moves are too small for their length, have V ≈ W and R̂ ≈ √2 or more.
 ///
 /// Source: [GelmanRubin92], with each chain cut in halves as in [GelmanEtAl13].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct HalfChains {
     /// m.
     halves: u64,
     /// m n.
     states: u64,
     /// Σ of the halves' means, and of their squares.
-    means: [f64; 2],
+    means: [ExactSum; 2],
     /// Σ of the variances inside.
-    within: f64,
+    within: ExactSum,
 }
 
 impl HalfChains {
@@ -26,27 +29,38 @@ impl HalfChains {
     pub fn merge(&mut self, other: &Self) {
         self.halves += other.halves;
         self.states += other.states;
-        self.means.iter_mut().zip(other.means).for_each(|(sum, x)| *sum += x);
-        self.within += other.within;
+        self.means.iter_mut().zip(&other.means).for_each(|(sum, x)| sum.merge(x));
+        self.within.merge(&other.within);
     }
 
     /// R̂ ≥ 1, but for noise; `None` with fewer than two halves and where g does not vary.
     pub fn r_hat(&self) -> Option<f64> {
-        let (n, within) = (self.states as f64 / self.halves as f64, self.within / self.halves as f64);
+        let (n, within) = (self.states as f64 / self.halves as f64, self.within.value() / self.halves as f64);
         let r_hat = ((n - 1.0) / n + self.between()? / within).sqrt();
         (!r_hat.is_nan()).then_some(r_hat)
     }
 
     /// Independent states that all are worth, at most their number; `None` as for [`r_hat`](Self::r_hat).
     pub fn effective_states(&self) -> Option<f64> {
-        let worth = self.within / self.between()?;
+        let worth = self.within.value() / self.between()?;
         (!worth.is_nan()).then(|| worth.min(self.states as f64))
+    }
+
+    pub(super) fn write(&self, to: &mut Vec<u8>) {
+        [self.halves, self.states].into_iter().for_each(|count| put(to, count));
+        self.means.iter().chain([&self.within]).for_each(|sum| sum.write(to));
+    }
+
+    pub(super) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        let (halves, states) = (from.number()?, from.number()?);
+        let means = [ExactSum::read(from)?, ExactSum::read(from)?];
+        Ok(Self { halves, states, means, within: ExactSum::read(from)? })
     }
 
     /// V.
     fn between(&self) -> Option<f64> {
         let m = self.halves as f64;
-        let [sum, squares] = self.means;
+        let [sum, squares] = self.means.each_ref().map(ExactSum::value);
         (self.halves > 1).then(|| (squares - sum * sum / m).max(0.0) / (m - 1.0))
     }
 }
@@ -78,9 +92,9 @@ impl Half {
         let mean = sum / n;
         halves.halves += 1;
         halves.states += states;
-        halves.means[0] += mean;
-        halves.means[1] += mean * mean;
-        halves.within += (squares - n * mean * mean).max(0.0) / (n - 1.0);
+        halves.means[0].add(mean);
+        halves.means[1].add(mean * mean);
+        halves.within.add((squares - n * mean * mean).max(0.0) / (n - 1.0));
     }
 }
 

@@ -43,8 +43,8 @@ impl Bootstrap {
     /// Adds a round's samples to the counts of their stratum.
     pub(super) fn count(&self, stats: &mut StratumStats) {
         stats.samples += self.weights.len() as u64;
-        stats.weight_sum += self.total;
-        stats.weight_squares += self.weights.iter().map(|w| w * w).sum::<f64>();
+        stats.weight_sum.add(self.total);
+        stats.weight_squares.add(self.weights.iter().map(|w| w * w).sum());
         stats.non_finite_samples += self.non_finite;
         stats.sample_work += self.work;
         stats.rounds += 1;

@@ -1,6 +1,7 @@
 //! The film: exact sums over rounds, whatever their order.
 
-use super::{Deposits, Lost, Rounds};
+use super::bytes::{put, put_list};
+use super::{DecodeError, Deposits, Lost, Reader, Rounds};
 use rayon::prelude::*;
 use std::error::Error;
 use std::fmt;
@@ -204,6 +205,37 @@ impl<const C: usize> Film<C> {
         Ok(())
     }
 
+    /// Appends the sums to bytes: the same bytes for the same rounds. The current round is left out.
+    pub(super) fn write(&self, to: &mut Vec<u8>) {
+        [u64::from(self.sites()), self.unit.to_bits(), self.weight, self.lost.count]
+            .into_iter()
+            .for_each(|x| put(to, x));
+        put_list(to, &self.lost.sites, |to, site| put(to, u64::from(*site)));
+        self.rounds.write(to);
+        let sums = self.sums.iter().flatten().flat_map(|sums| [sums.first, sums.second]);
+        let whole = self.whole.first.iter().chain(self.whole.second.iter().flatten());
+        sums.chain(whole.copied()).for_each(|sum| to.extend(sum.to_le_bytes()));
+    }
+
+    /// Reads what [`write`](Self::write) has written.
+    pub(super) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        let [sites, unit, weight, lost] = [from.number()?, from.number()?, from.number()?, from.number()?];
+        let sites = u32::try_from(sites).map_err(|_| DecodeError::Damaged)?;
+        from.expect(u64::from(sites) * C as u64 * size_of::<Sums>() as u64)?;
+        let mut film = Self::new(sites, f64::from_bits(unit));
+        if film.unit.to_bits() != unit {
+            return Err(DecodeError::Damaged);
+        }
+        film.lost = Lost { count: lost, sites: from.list(|from| from.number().map(|site| site as u32))? };
+        (film.weight, film.rounds) = (weight, Rounds::read(from)?);
+        let sums = film.sums.iter_mut().flatten().flat_map(|sums| [&mut sums.first, &mut sums.second]);
+        let whole = film.whole.first.iter_mut().chain(film.whole.second.iter_mut().flatten());
+        for sum in sums.chain(whole) {
+            *sum = from.bytes().map(i128::from_le_bytes)?;
+        }
+        Ok(film)
+    }
+
     /// Means of a site's channels, of the rounds closed so far; 0 without any.
     #[inline]
     pub fn mean(&self, site: usize) -> [f64; C] {
@@ -254,6 +286,13 @@ pub enum MergeError {
     Sites([u32; 2]),
     /// They differ in the unit of their sums.
     Unit,
+    /// They were made of other scenes or with other settings.
+    Key {
+        /// What differs.
+        name: String,
+        /// Its values.
+        values: [String; 2],
+    },
     /// Both hold these rounds, which would count twice.
     Rounds(Rounds),
 }
@@ -265,6 +304,9 @@ impl fmt::Display for MergeError {
         match self {
             Self::Sites([a, b]) => write!(f, "one film has {a} sites and the other {b}; they are not of one image"),
             Self::Unit => write!(f, "the films have different units; they are not of one scene and view"),
+            Self::Key { name, values: [a, b] } => {
+                write!(f, "{name} is {a} in one and {b} in the other; they are not of one render")
+            }
             Self::Rounds(rounds) => write!(f, "both films hold the rounds {rounds}, which would count twice"),
         }
     }

@@ -8,13 +8,16 @@
 //! as a mean over independent rounds ([`render`]), each of which is one unbiased estimate of the whole image
 //! ([`Metropolis`]). It names no vector type and no scene.
 
+mod accumulated;
 mod agreement;
 mod allocation;
 mod bootstrap;
+mod bytes;
 mod chain;
 mod coverage;
 mod deposit;
 mod estimator;
+mod exact;
 mod film;
 mod importance;
 mod key;
@@ -32,12 +35,15 @@ mod sum;
 mod tally;
 mod warning;
 
+pub use accumulated::{Accumulated, Key};
 pub use agreement::HalfChains;
 pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, MUTATIONS_A_SAMPLE, allocate, shares_by_power};
+pub use bytes::{Counted, DecodeError, Reader, put, put_list, put_text};
 pub use chain::Chain;
 pub use coverage::Coverage;
 pub use deposit::{Deposit, Deposits, Lost, Sink};
 pub use estimator::{Estimator, Observer, Outcome, Progress, batch_size, render, rounds_in_flight};
+pub use exact::ExactSum;
 pub use film::{Film, MergeError, Pixel};
 pub use importance::Importance;
 pub use key::{Generator, Purpose, generator, uniform, uniform_f32};

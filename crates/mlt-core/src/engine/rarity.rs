@@ -1,6 +1,8 @@
 //! How often independent samples meet what chains visit.
 
 use super::agreement::log2;
+use super::bytes::{put, put_list};
+use super::{DecodeError, ExactSum, Reader};
 use std::collections::BTreeMap;
 
 /// Hits that are too few to know the energy of a set of states.
@@ -24,16 +26,16 @@ pub struct Rarity {
 }
 
 /// States that were looked at, and Σ b̂ over them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Octave {
     states: u64,
-    energy: f64,
+    energy: ExactSum,
 }
 
 impl Octave {
-    fn add(&mut self, other: Self) {
+    fn merge(&mut self, other: &Self) {
         self.states += other.states;
-        self.energy += other.energy;
+        self.energy.merge(&other.energy);
     }
 }
 
@@ -41,28 +43,47 @@ impl Rarity {
     /// Takes in a state of a chain whose round has found b̂ = `b`.
     pub fn add(&mut self, importance: f64, density: f64, b: f64) {
         let octave = log2(importance / density).floor() as i32;
-        self.octaves.entry(octave).or_default().add(Octave { states: 1, energy: b });
+        let octave = self.octaves.entry(octave).or_default();
+        octave.states += 1;
+        octave.energy.add(b);
     }
 
     /// Adds others.
     pub fn merge(&mut self, other: &Self) {
-        other.octaves.iter().for_each(|(&octave, states)| self.octaves.entry(octave).or_default().add(*states));
+        other.octaves.iter().for_each(|(&octave, states)| self.octaves.entry(octave).or_default().merge(states));
     }
 
     /// Share of the energy in states of the largest values v that all samples together, Σ of whose weights is m b̂ = `weight_sum`,
     /// were to show fewer than ten times. Values are rounded down, so that it is no more than that; 0 where it is told by less than
     /// four states.
     pub fn unmet(&self, weight_sum: f64) -> f64 {
-        let all: f64 = self.octaves.values().map(|octave| octave.energy).sum();
+        let all: f64 = self.octaves.values().map(|octave| octave.energy.value()).sum();
         let (mut hits, mut unmet) = (0.0, Octave::default());
         for (&octave, states) in self.octaves.iter().rev() {
-            hits += weight_sum * states.energy / all * libm::exp2(-f64::from(octave));
+            hits += weight_sum * states.energy.value() / all * libm::exp2(-f64::from(octave));
             if hits >= FEW {
                 break;
             }
-            unmet.add(*states);
+            unmet.merge(states);
         }
-        if unmet.states < LEAST_STATES { 0.0 } else { unmet.energy / all }
+        if unmet.states < LEAST_STATES { 0.0 } else { unmet.energy.value() / all }
+    }
+
+    pub(super) fn write(&self, to: &mut Vec<u8>) {
+        let octaves: Vec<_> = self.octaves.iter().collect();
+        put_list(to, &octaves, |to, (octave, states)| {
+            to.extend(octave.to_le_bytes());
+            put(to, states.states);
+            states.energy.write(to);
+        });
+    }
+
+    pub(super) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        let octave = |from: &mut Reader| {
+            let octave = from.bytes().map(i32::from_le_bytes)?;
+            Ok((octave, Octave { states: from.number()?, energy: ExactSum::read(from)? }))
+        };
+        Ok(Self { octaves: from.list(octave)?.into_iter().collect() })
     }
 }
 
@@ -138,7 +159,7 @@ mod tests {
         let (mut film, mut tally) = (Film::<1>::new(1, 1.0), Tally::default());
         render(&metropolis, 0..20, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
         let StratumStats { rarity, weight_sum, .. } = &tally.strata[0];
-        rarity.unmet(*weight_sum)
+        rarity.unmet(weight_sum.value())
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What chains count.
 
-use super::{Coverage, HalfChains, Rarity};
+use super::bytes::{put, put_list};
+use super::{Coverage, DecodeError, ExactSum, HalfChains, Rarity, Reader};
 
 /// Outcomes of one mutation's proposals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,9 +51,9 @@ pub struct StratumStats {
     /// Independent samples drawn for b_j.
     pub samples: u64,
     /// Sum of their importance weights.
-    pub weight_sum: f64,
+    pub weight_sum: ExactSum,
     /// Sum of the squares of their importance weights.
-    pub weight_squares: f64,
+    pub weight_squares: ExactSum,
     /// Independent samples with a NaN or infinite weight, taken as 0.
     pub non_finite_samples: u64,
     /// Rounds.
@@ -83,7 +84,7 @@ impl StratumStats {
 
     /// b_j, the integral of the importance over the stratum: the mean weight of the independent samples.
     pub fn b(&self) -> f64 {
-        if self.samples == 0 { 0.0 } else { self.weight_sum / self.samples as f64 }
+        if self.samples == 0 { 0.0 } else { self.weight_sum.value() / self.samples as f64 }
     }
 
     /// Standard error of [`b`](Self::b); infinite with fewer than two samples.
@@ -97,7 +98,7 @@ impl StratumStats {
             return f64::INFINITY;
         }
         let n = self.samples as f64;
-        (self.weight_squares / n - self.b() * self.b()).max(0.0) * n / (n - 1.0)
+        (self.weight_squares.value() / n - self.b() * self.b()).max(0.0) * n / (n - 1.0)
     }
 
     /// Steps of the chains.
@@ -112,8 +113,8 @@ impl StratumStats {
         self.idle += other.idle;
         self.longest_rejection = self.longest_rejection.max(other.longest_rejection);
         self.samples += other.samples;
-        self.weight_sum += other.weight_sum;
-        self.weight_squares += other.weight_squares;
+        self.weight_sum.merge(&other.weight_sum);
+        self.weight_squares.merge(&other.weight_squares);
         self.non_finite_samples += other.non_finite_samples;
         self.rounds += other.rounds;
         self.dark_rounds += other.dark_rounds;
@@ -124,5 +125,52 @@ impl StratumStats {
         self.rarity.merge(&other.rarity);
         self.chain_work += other.chain_work;
         self.sample_work += other.sample_work;
+    }
+
+    /// Counts in a fixed order, with which they are written.
+    fn counts(&mut self) -> [&mut u64; 12] {
+        let Coverage { states, astray, uncovered, shared } = &mut self.coverage;
+        [
+            &mut self.idle,
+            &mut self.longest_rejection,
+            &mut self.samples,
+            &mut self.non_finite_samples,
+            &mut self.rounds,
+            &mut self.dark_rounds,
+            &mut self.refused_starts,
+            &mut self.changed_starts,
+            states,
+            astray,
+            uncovered,
+            shared,
+        ]
+    }
+
+    pub(super) fn write(&self, to: &mut Vec<u8>) {
+        self.clone().counts().into_iter().for_each(|count| put(to, *count));
+        [self.chain_work, self.sample_work].into_iter().for_each(|work| put(to, work));
+        [&self.weight_sum, &self.weight_squares].into_iter().for_each(|sum| sum.write(to));
+        self.halves.write(to);
+        self.rarity.write(to);
+        put_list(to, &self.mutations, |to, m| {
+            [m.accepted, m.rejected, m.failed, m.non_finite, m.longest_rejection].into_iter().for_each(|x| put(to, x));
+        });
+    }
+
+    pub(super) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        let mut stats = Self::default();
+        for count in stats.counts() {
+            *count = from.number()?;
+        }
+        (stats.chain_work, stats.sample_work) = (from.number()?, from.number()?);
+        (stats.weight_sum, stats.weight_squares) = (ExactSum::read(from)?, ExactSum::read(from)?);
+        stats.halves = HalfChains::read(from)?;
+        stats.rarity = Rarity::read(from)?;
+        stats.mutations = from.list(|from| {
+            let [accepted, rejected] = [from.number()?, from.number()?];
+            let [failed, non_finite, longest_rejection] = [from.number()?, from.number()?, from.number()?];
+            Ok(MutationStats { accepted, rejected, failed, non_finite, longest_rejection })
+        })?;
+        Ok(stats)
     }
 }

@@ -1,6 +1,7 @@
 //! What a Metropolis render counts.
 
-use super::{StratumStats, Warning};
+use super::bytes::{put_list, put_text};
+use super::{Counted, DecodeError, Reader, StratumStats, Warning};
 use std::borrow::Cow;
 
 /// Counts of a render.
@@ -28,5 +29,26 @@ impl Tally {
     /// Signs that the image is wrong, or that its error bars say too little.
     pub fn warnings(&self) -> Vec<Warning> {
         Warning::all(self)
+    }
+}
+
+impl Counted for Tally {
+    fn merge(&mut self, other: &Self) {
+        let strata = self.strata.len().max(other.strata.len());
+        self.strata.resize_with(strata, StratumStats::default);
+        self.strata.iter_mut().zip(&other.strata).for_each(|(a, b)| a.merge(b));
+        if self.mutations.is_empty() {
+            self.mutations.clone_from(&other.mutations);
+        }
+    }
+
+    fn write(&self, to: &mut Vec<u8>) {
+        put_list(to, &self.strata, |to, stratum| stratum.write(to));
+        put_list(to, &self.mutations, |to, name| put_text(to, name));
+    }
+
+    fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        let strata = from.list(StratumStats::read)?;
+        Ok(Self { strata, mutations: from.list(|from| from.text().map(Cow::Owned))? })
     }
 }

@@ -1,0 +1,287 @@
+//! What rounds add up to: all that has to outlive a process.
+
+use super::bytes::{put, put_list, put_text};
+use super::{Counted, DecodeError, Estimator, Film, MergeError, Observer, Outcome, Reader, Rounds, render};
+use std::ops::Range;
+
+/// First bytes of the format.
+const MAGIC: [u8; 8] = *b"mlt-sums";
+/// Version of the format.
+const VERSION: u32 = 1;
+
+/// Names and values of what decides the bits of a round: scene, method, seed and so on. Only what has the same key adds up.
+pub type Key = Vec<(String, String)>;
+
+/// Sums of rounds, with what was counted in them: a render as far as it went, or a part of one.
+///
+/// Any grouping and order of the same rounds, over threads, processes or machines, gives the same sums, and the same bytes.
+#[derive(Clone, Debug)]
+pub struct Accumulated<const C: usize, T> {
+    key: Key,
+    film: Film<C>,
+    tally: T,
+}
+
+impl<const C: usize, T: Counted> Accumulated<C, T> {
+    /// No rounds of a render with this key, on a film that holds none.
+    pub fn new(key: Key, film: Film<C>) -> Self {
+        Self { key, film, tally: T::default() }
+    }
+
+    /// The image.
+    pub fn film(&self) -> &Film<C> {
+        &self.film
+    }
+
+    /// What was counted.
+    pub fn tally(&self) -> &T {
+        &self.tally
+    }
+
+    /// The rounds that it holds.
+    pub fn rounds(&self) -> &Rounds {
+        self.film.rounds_held()
+    }
+
+    /// What decides the bits of its rounds.
+    pub fn key(&self) -> &Key {
+        &self.key
+    }
+
+    /// Adds those of the rounds that it does not hold yet, as [`render`] does.
+    pub fn render<E: Estimator<C, Tally = T>>(
+        &mut self,
+        estimator: &E,
+        rounds: Range<u64>,
+        observe: &mut Observer<'_, C, T>,
+    ) -> Outcome {
+        render(estimator, rounds, &mut self.film, &mut self.tally, observe)
+    }
+
+    /// Adds another part of the same render.
+    ///
+    /// # Errors
+    ///
+    /// Changes nothing if the keys differ, if the films do, or if both parts hold a round.
+    pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
+        if let Some(difference) = self.difference(other) {
+            return Err(difference);
+        }
+        self.film.merge(&other.film)?;
+        self.tally.merge(&other.tally);
+        Ok(())
+    }
+
+    /// The first entry of the keys that differs.
+    fn difference(&self, other: &Self) -> Option<MergeError> {
+        let value = |key: &Key, name: &str| {
+            key.iter().find(|(other, _)| other == name).map_or_else(|| "missing".into(), |(_, value)| value.clone())
+        };
+        let names = self.key.iter().chain(&other.key).map(|(name, _)| name);
+        let differing = names.map(|name| (name, [value(&self.key, name), value(&other.key, name)]));
+        let first = differing.into_iter().find(|(_, [a, b])| a != b);
+        first.map(|(name, values)| MergeError::Key { name: name.clone(), values })
+    }
+
+    /// All of it but the round that is being made: the same bytes for the same rounds.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        [VERSION, C as u32].into_iter().for_each(|number| bytes.extend(number.to_le_bytes()));
+        put_list(&mut bytes, &self.key, |to, (name, value)| {
+            [name, value].into_iter().for_each(|text| put_text(to, text))
+        });
+        self.film.write(&mut bytes);
+        self.tally.write(&mut bytes);
+        let sum = checksum(&bytes);
+        put(&mut bytes, sum);
+        bytes
+    }
+
+    /// Reads what [`to_bytes`](Self::to_bytes) has made, from wherever it comes: no bytes make it panic, or take much more memory
+    /// than they have themselves.
+    ///
+    /// # Errors
+    ///
+    /// If they are of something else, of another version, or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, DecodeError> {
+        let mut from = Reader::new(bytes);
+        if from.bytes() != Ok(MAGIC) {
+            return Err(DecodeError::Foreign);
+        }
+        let version = from.bytes().map(u32::from_le_bytes)?;
+        if version != VERSION {
+            return Err(DecodeError::Version(version));
+        }
+        let (content, sum) = bytes.split_last_chunk().ok_or(DecodeError::Damaged)?;
+        if checksum(content) != u64::from_le_bytes(*sum) {
+            return Err(DecodeError::Damaged);
+        }
+        let channels = from.bytes().map(u32::from_le_bytes)?;
+        if channels != C as u32 {
+            return Err(DecodeError::Channels(channels));
+        }
+        let key = from.list(|from| Ok((from.text()?, from.text()?)))?;
+        let accumulated = Self { key, film: Film::read(&mut from)?, tally: T::read(&mut from)? };
+        from.number()?;
+        if from.is_empty() { Ok(accumulated) } else { Err(DecodeError::Damaged) }
+    }
+}
+
+/// Tells bytes that were changed by chance: 64 bits, each of which depends on every byte. It is no protection against intent.
+fn checksum(bytes: &[u8]) -> u64 {
+    let absorb = |hash: u64, chunk: &[u8]| {
+        let mut word = [0; 8];
+        word[..chunk.len()].copy_from_slice(chunk);
+        super::key::mix(hash ^ u64::from_le_bytes(word)).wrapping_add(0x9e37_79b9_7f4a_7c15)
+    };
+    bytes.chunks(8).fold(bytes.len() as u64, absorb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, Tally, uniform};
+    use rand_pcg::rand_core::Rng;
+    use std::ops::ControlFlow;
+
+    #[derive(Clone)]
+    struct X(f64);
+
+    impl Path for X {
+        type Splat = Splat<2>;
+
+        fn splats(&self) -> impl Iterator<Item = Splat<2>> {
+            std::iter::once(Splat { site: (3.0 * self.0) as u32, value: [self.0, self.0.sqrt()] })
+        }
+    }
+
+    struct Cell {
+        low: f64,
+    }
+
+    impl Stratum<X> for Cell {
+        fn contains(&self, x: &X) -> bool {
+            (self.low..self.low + 0.5).contains(&x.0)
+        }
+
+        fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&X, f64)) {
+            visit(&X(self.low + 0.5 * uniform(rng)), 0.5);
+        }
+
+        fn density(&self, _: &X) -> f64 {
+            2.0
+        }
+
+        fn power(&self) -> f64 {
+            1.0
+        }
+    }
+
+    struct Nudge;
+
+    impl Mutation<X, Cell> for Nudge {
+        fn name(&self) -> &'static str {
+            "nudge"
+        }
+
+        fn propose(&self, x: &X, y: &mut X, _: &Cell, rng: &mut impl Rng) -> Option<f64> {
+            y.0 = (x.0 + 0.3 * (uniform(rng) - 0.5)).rem_euclid(1.0);
+            Some(1.0)
+        }
+    }
+
+    type Part = Accumulated<2, Tally>;
+
+    fn key(seed: &str) -> Key {
+        vec![("scene".into(), "line".into()), ("seed".into(), seed.into())]
+    }
+
+    fn part(rounds: Range<u64>) -> Part {
+        let share = Share { mutations: 700, samples: 90 };
+        let strata = [(Cell { low: 0.0 }, share), (Cell { low: 0.5 }, share)];
+        let (mixture, importance) = (Mixture::new(vec![Nudge]), |x: &X| 0.1 + x.0);
+        let metropolis = Metropolis::new(&strata, &mixture, &importance, 7).expect("sound");
+        let mut part = Part::new(key("7"), Film::new(3, 0.5));
+        part.render(&metropolis, rounds, &mut |_, _, _| ControlFlow::Continue(()));
+        part
+    }
+
+    #[test]
+    fn parts_add_up_to_the_same_bytes_in_any_order() {
+        let whole = part(0..23).to_bytes();
+        let ranges = [0..4, 4..5, 5..16, 16..23];
+        for order in [[0, 1, 2, 3], [3, 2, 1, 0], [2, 0, 3, 1]] {
+            let mut merged = Part::new(key("7"), Film::new(3, 0.5));
+            for i in order {
+                let bytes = part(ranges[i].clone()).to_bytes();
+                merged.merge(&Part::from_bytes(&bytes).expect("sound")).expect("another part");
+            }
+            assert!(merged.to_bytes() == whole, "{order:?}");
+            assert_eq!(merged.rounds().to_string(), "0 to 22");
+        }
+        assert!(part(0..22).to_bytes() != whole);
+    }
+
+    #[test]
+    fn what_does_not_belong_together_is_refused_by_name() {
+        let (mut a, b) = (part(0..4), part(3..6));
+        assert_eq!(
+            a.merge(&b).expect_err("overlap").to_string(),
+            "both films hold the rounds 3, which would count twice"
+        );
+        let other = Part::new(key("8"), Film::new(3, 0.5));
+        assert!(
+            a.merge(&other).expect_err("another seed").to_string().starts_with("seed is 7 in one and 8 in the other")
+        );
+        assert_eq!(a.to_bytes(), part(0..4).to_bytes(), "and nothing has changed");
+    }
+
+    #[test]
+    fn a_render_goes_on_where_it_was() {
+        let whole = part(0..9);
+        let mut resumed = Part::from_bytes(&part(0..5).to_bytes()).expect("sound");
+        resumed.merge(&part(5..9)).expect("another part");
+        assert_eq!(resumed.tally(), whole.tally());
+        assert_eq!(resumed.film().pixel(1), whole.film().pixel(1));
+        assert_eq!(resumed.tally().mutations, ["nudge"]);
+    }
+
+    #[test]
+    fn damaged_bytes_are_refused() {
+        let bytes = part(0..2).to_bytes();
+        assert!(Part::from_bytes(&bytes).is_ok());
+        for at in 0..bytes.len() {
+            assert!(Part::from_bytes(&bytes[..at]).is_err(), "the first {at} bytes");
+            for flip in [1, 128] {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= flip;
+                assert!(Part::from_bytes(&damaged).is_err(), "byte {at} ^ {flip}");
+            }
+        }
+        let longer: Vec<u8> = bytes.iter().copied().chain([0]).collect();
+        assert!(Part::from_bytes(&longer).is_err());
+        assert_eq!(Accumulated::<3, Tally>::from_bytes(&bytes).err(), Some(DecodeError::Channels(2)));
+        let version = |number: u8| {
+            let mut other = bytes.clone();
+            other[8] = number;
+            Part::from_bytes(&other).err()
+        };
+        assert_eq!(version(2), Some(DecodeError::Version(2)));
+        assert_eq!(Part::from_bytes(b"not ours").err(), Some(DecodeError::Foreign));
+    }
+
+    /// Bytes whose checksum is right: what decodes has to hold against intent too.
+    #[test]
+    fn forged_bytes_make_no_panic() {
+        let bytes = part(0..2).to_bytes();
+        for at in 16..bytes.len() - 8 {
+            for value in [0, 1, 127, 255] {
+                let mut forged = bytes[..bytes.len() - 8].to_vec();
+                forged[at] = value;
+                let sum = checksum(&forged);
+                put(&mut forged, sum);
+                let _ = Part::from_bytes(&forged).map(|part| (part.film().whole([1.0; 2]), part.tally().warnings()));
+            }
+        }
+    }
+}
