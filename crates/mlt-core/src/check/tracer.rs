@@ -35,10 +35,13 @@ where
     report
 }
 
+/// Site and value of a splat, in bits.
+type Bits<const C: usize> = (u32, [u64; C]);
+
 /// Result of a tracer for some numbers; nothing where it said that F = 0.
 #[derive(PartialEq)]
 struct Traced<const STREAMS: usize, const C: usize> {
-    output: Option<(u64, Vec<(u32, [u64; C])>)>,
+    output: Option<(u64, Vec<Bits<C>>)>,
     drawn: [usize; STREAMS],
 }
 

@@ -30,8 +30,8 @@ impl Rounds {
         let last = self.ranges.partition_point(|range| range.start <= added.end);
         let joined = match &self.ranges[first..last] {
             [] => added,
-            [joined @ ..] => {
-                let ends = (joined[0].start, joined[joined.len() - 1].end);
+            touching => {
+                let ends = (touching[0].start, touching[touching.len() - 1].end);
                 added.start.min(ends.0)..added.end.max(ends.1)
             }
         };

@@ -165,7 +165,7 @@ fn disagreement(tally: &Tally) -> Option<Warning> {
     let strata: Vec<_> = bright(tally).into_iter().filter(|&j| worth(j) < FEW_STATES).collect();
     let worst = strata.iter().copied().min_by(|&a, &b| worth(a).total_cmp(&worth(b)))?;
     let sentence = format!(
-        "chains disagree (R-hat {:.2}): they are worth {:.0} independent states; take more or longer ones",
+        "chains disagree (R-hat {:.2}): they are worth {:.0} independent states; render longer",
         tally.strata[worst].halves.r_hat().unwrap_or(f64::INFINITY),
         worth(worst)
     );
