@@ -15,9 +15,9 @@ const LEAST_STATES: u64 = 4;
 /// A sample shows states with the density q of [`Stratum::density`](super::Stratum::density). So m samples show a set A of states
 /// in the mean
 ///
-/// m ∫_A q dμ = m b E_{x ~ I/b}[ 1_A(x) / v(x) ],   v = I/q,
+/// m ∫_A q dμ = m b E_{x ~ I/b}(1_A(x) / v(x)),   v = I/q,
 ///
-/// times, and A has the share E_{x ~ I/b}[ 1_A ] of the energy. Both means are over the states of chains; those of a round count
+/// times, and A has the share E_{x ~ I/b}(1_A) of the energy. Both means are over the states of chains; those of a round count
 /// with its b̂, as they do in the image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rarity {
