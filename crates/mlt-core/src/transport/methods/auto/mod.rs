@@ -67,7 +67,9 @@ impl Pilot<'_> {
     fn run(&self) -> (Plan, PilotCounts) {
         let (strata, camera) = (self.cut(), self.view.camera.with_size(self.size()));
         let (lights, view) = (self.view.scene.lights(), View { camera: &camera, ..self.view });
-        let parts = &Parts::new(lights, &strata, self.max_edges, view.scene.needs().specular);
+        let mut parts = Parts::new(lights, &strata, self.max_edges, view.scene.needs().specular);
+        parts.asked_for = self.cut_is_asked_for();
+        let parts = &parts;
         let path_space = self.open_to_chains(view, parts);
 
         let measured = &self.independent(view, parts);
@@ -82,6 +84,10 @@ impl Pilot<'_> {
             (self.samples(candidates, &decision), summary(parts, &decision, &costs, candidates));
         let sampled = f64::from(camera.pixels()) * measured.iter().map(|m| m.work * m.samples).sum::<f64>();
         let sampled = PilotCounts { mutations: 0, rays: sampled as u64 };
+        let strata = match chains.kinds.len() {
+            1 => LightStrata::new(lights, Stratification::None),
+            _ => strata,
+        };
         let plan = Plan { independent, chained: chains.kinds, shares: chains.shares, summary, strata };
         (plan, sampled + sought + chained)
     }
@@ -147,9 +153,13 @@ impl Pilot<'_> {
         (costs, chains, first + second)
     }
 
+    fn cut_is_asked_for(&self) -> bool {
+        !matches!(self.stratification, Stratification::None | Stratification::Auto)
+    }
+
     fn cut(&self) -> LightStrata {
         let lights = self.view.scene.lights();
-        if !matches!(self.stratification, Stratification::None | Stratification::Auto) {
+        if self.cut_is_asked_for() {
             return LightStrata::with_least_share(lights, self.stratification, LEAST_SHARE);
         }
         // Parts of one light hardly ever differ in what samples them best.

@@ -19,6 +19,8 @@ pub(super) struct PartIndex {
 pub(super) struct Parts<'a> {
     pub(super) lights: &'a Lights,
     pub(super) strata: &'a LightStrata,
+    /// Whether the lights' parts were asked for, and chains have to keep to them.
+    pub(super) asked_for: bool,
     /// Disjoint sets that together hold all kinds that the scene has.
     pub(super) groups: Vec<Kinds>,
     /// The group of each kind.
@@ -47,7 +49,7 @@ impl<'a> Parts<'a> {
             let holds = |group: &Kinds| group.contains(Kind::from_index(kind));
             groups.iter().position(holds).unwrap_or(groups.len() - 1) as u8
         });
-        Self { lights, strata, groups, group_of }
+        Self { lights, strata, asked_for: false, groups, group_of }
     }
 
     /// Number of parts.

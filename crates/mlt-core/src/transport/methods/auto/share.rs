@@ -8,7 +8,7 @@ use crate::transport::paths::Kinds;
 
 /// Work of chains in a round.
 pub(super) struct Chains {
-    /// The kinds of each of the lights' parts that they sample.
+    /// The kinds of each of the lights' parts that they sample; of all lights as one, if these are the same everywhere.
     pub(super) kinds: Vec<Kinds>,
     /// One share for each part with any.
     pub(super) shares: Vec<Share>,
@@ -59,6 +59,8 @@ pub(super) fn share_out(
 }
 
 /// The kinds that chains sample in each of the lights' parts, and what is known of them where that is anything.
+///
+/// Where the kinds are the same for all lights, these are one part: a chain that may go from one lamp to another mixes better.
 fn unions(parts: &Parts, decision: &Decision, measures: &[Measure]) -> (Vec<Kinds>, Vec<Measure>) {
     let (mut chained, mut unions) = (Vec::new(), Vec::new());
     for (in_chains, measures) in parts.by_light(&decision.in_chains).zip(parts.by_light(measures)) {
@@ -68,6 +70,10 @@ fn unions(parts: &Parts, decision: &Decision, measures: &[Measure]) -> (Vec<Kind
         if !measures.is_empty() {
             unions.push(Measure::of_union(&measures));
         }
+    }
+    let all_alike = chained.windows(2).all(|pair| pair[0] == pair[1]);
+    if all_alike && !parts.asked_for && !unions.is_empty() {
+        return (vec![chained[0]], vec![Measure::of_union(&unions)]);
     }
     (chained, unions)
 }
