@@ -7,9 +7,12 @@ use clap::{Args, Parser, Subcommand};
 pub mod bench;
 pub mod perturbations;
 pub mod render;
+pub mod transport;
 pub mod values;
 pub mod variant;
 pub mod verify;
+pub mod view;
+pub mod written;
 
 /// Stratified Metropolis light transport.
 #[derive(Debug, Parser)]

@@ -3,6 +3,7 @@
 use std::{fmt, str::FromStr};
 
 use mlt_core::transport::methods::metropolis::Perturbations;
+use serde::{Serialize, Serializer};
 
 /// `all`, `none`, or names with commas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,6 +47,12 @@ impl fmt::Display for PerturbationList {
             3 => f.write_str("all"),
             _ => f.write_str(&names.join(",")),
         }
+    }
+}
+
+impl Serialize for PerturbationList {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
     }
 }
 

@@ -2,73 +2,16 @@
 
 use std::{ffi::OsStr, num::NonZeroUsize, path::PathBuf, time::Duration};
 
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::{ArgGroup, Args};
+use mlt_core::transport::render::Settings;
 
-use super::perturbations::PerturbationList;
-use super::values::{Size, Strata, angle, duration, exposure, per_pixel, point, relative_error, threads};
+use super::transport::{Method, TransportOptions};
+use super::values::{duration, exposure, per_pixel, relative_error, threads};
+use super::view::ViewOptions;
 use crate::{
     Failure,
     output::{self, Format, OutputFile},
 };
-
-/// How light transport is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// Independent samples where they are better, Metropolis where it pays; a pilot decides
-    Auto,
-    /// Stratified Metropolis light transport
-    Mlt,
-    /// Bidirectional path tracing
-    Bdpt,
-    /// Path tracing
-    Pt,
-    /// Stratified Metropolis over the random numbers of bidirectional samples
-    Pssmlt,
-    /// Stratified Metropolis over the random numbers of single paths, with their length and technique
-    Mmlt,
-}
-
-impl Method {
-    /// Whether it samples by chains of mutations; else by independent samples.
-    pub fn mutates(self) -> bool {
-        matches!(self, Self::Mlt | Self::Pssmlt | Self::Mmlt)
-    }
-
-    /// The unit of its work: `mutations` or `samples`.
-    pub fn unit(self) -> &'static str {
-        if self.mutates() { "mutations" } else { "samples" }
-    }
-}
-
-/// The scalar that chains sample in proportion to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Importance {
-    /// Luminance of a path's contribution
-    #[default]
-    Luminance,
-    /// The same over the image's luminance there, from a quick image: evens the relative error
-    Relative,
-}
-
-/// How mutations are shared among strata.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Weights {
-    /// In proportion to the power of the strata's lights
-    Power,
-    /// By the noise and cost that pilot rounds measure
-    #[default]
-    Adaptive,
-}
-
-/// The chains or mutations that strata restrict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Variant {
-    /// Chains stay in their strata
-    #[default]
-    Stratified,
-    /// Only the bidirectional mutation stays in the stratum that it finds the path in
-    MutationOnly,
-}
 
 /// When a render is done.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,30 +56,9 @@ pub struct RenderOptions {
     /// perturbations or an importance, else auto
     #[arg(long, value_enum, help_heading = "Method")]
     pub method: Option<Method>,
-    /// Cut lights into strata: 'none', 'auto' (found by a pilot), a number of strata, or columns and rows of cells per
-    /// light; add ',length' and ',tiles:NxM' to cut by path length and over the image as well
-    #[arg(long, value_name = "none|auto|COUNT|NxM", default_value_t, help_heading = "Method")]
-    pub strata: Strata,
-    /// How mutations are shared among strata; adaptive if not given
-    #[arg(long, value_enum, help_heading = "Method")]
-    pub weights: Option<Weights>,
-    /// Rounds of each measurement of the pilot, for adaptive weights and automatic strata
-    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Method")]
-    #[arg(value_parser = clap::value_parser!(u64).range(2..=64))]
-    pub rounds_pilot: u64,
-    /// Chains or mutations that strata restrict
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub variant: Variant,
-    /// Perturbations beside the bidirectional mutation in mlt: 'all' that the scene has use for, 'none', or some of lens, multi-chain and
-    /// caustic, with commas between them
-    #[arg(long, value_name = "all|none|LIST", default_value_t, help_heading = "Method")]
-    pub perturbations: PerturbationList,
-    /// Importance that chains sample in proportion to
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    pub importance: Importance,
-    /// Longest path, in edges from light to lens; no limit if not given
-    #[arg(long, value_name = "EDGES", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Method")]
-    pub max_length: Option<u32>,
+    /// What else decides how it is computed.
+    #[command(flatten)]
+    pub transport: TransportOptions,
 
     /// Stop after this many mutations per pixel (mlt, pssmlt, mmlt)
     #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = "Budget")]
@@ -161,30 +83,13 @@ pub struct RenderOptions {
     #[arg(long, value_name = "N", default_value_t = 0, requires = "rounds", help_heading = "Budget")]
     #[arg(value_parser = clap::value_parser!(u64).range(..=MAX_ROUNDS))]
     pub first_round: u64,
-    /// Seed of the random numbers: same seed, same image
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u64,
     /// Threads; all processors if not given. The image does not depend on it
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
 
-    /// Size of the image in pixels; if not given, 512 along the longer side, of the camera's aspect ratio
-    #[arg(long, value_name = "WxH", help_heading = "Camera")]
-    pub size: Option<Size>,
-    /// The scene's camera of this name. Its first one if not given; a scene without any is framed whole
-    #[arg(long, value_name = "NAME", help_heading = "Camera", conflicts_with_all = ["camera_from", "camera_to", "fov"])]
-    pub camera: Option<String>,
-    /// Where the camera stands
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "camera_to")]
-    #[arg(help_heading = "Camera")]
-    pub camera_from: Option<[f64; 3]>,
-    /// The point that the camera looks at
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "camera_from")]
-    #[arg(help_heading = "Camera")]
-    pub camera_to: Option<[f64; 3]>,
-    /// The camera's full vertical opening angle
-    #[arg(long, value_name = "DEGREES", value_parser = angle, help_heading = "Camera")]
-    pub fov: Option<f64>,
+    /// Where the scene is seen from.
+    #[command(flatten)]
+    pub view: ViewOptions,
     /// Exposure of PNG files in stops: pixels times 2^EV
     #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0)]
     pub exposure: f64,
@@ -200,20 +105,13 @@ pub struct RenderOptions {
 impl RenderOptions {
     /// The method that was asked for, or the one that suits the other options.
     pub fn method(&self) -> Method {
-        let mutations = self.mutations_per_pixel.is_some() || self.variant != Variant::default();
-        let strata = self.strata != Strata::default() || self.weights.is_some();
-        let perturbations = self.perturbations != PerturbationList::default();
-        let importance = self.importance != Importance::default();
-        self.method.unwrap_or(if mutations || strata || perturbations || importance {
-            Method::Mlt
-        } else {
-            Method::Auto
-        })
+        let chains = self.transport.ask_for_chains() || self.mutations_per_pixel.is_some();
+        self.method.unwrap_or(if chains { Method::Mlt } else { Method::Auto })
     }
 
-    /// How mutations are shared among strata.
-    pub fn weights(&self) -> Weights {
-        self.weights.unwrap_or_default()
+    /// Settings of the library, in rounds of so many mutations or samples a pixel.
+    pub fn settings(&self, per_pixel: f64) -> Settings {
+        self.transport.settings(self.method(), per_pixel)
     }
 
     /// The budget that was asked for; at most one can be.
@@ -228,9 +126,9 @@ impl RenderOptions {
     pub fn check(&self) -> Result<(), Failure> {
         let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
         if self.mutations_per_pixel.is_some() && !self.method().mutates() {
-            let method = value_name(self.method());
             return usage(format!(
-                "--mutations-per-pixel: {method} is not told how many to make; use --samples-per-pixel"
+                "--mutations-per-pixel: {} is not told how many to make; use --samples-per-pixel",
+                self.method()
             ));
         }
         if let (false, Some(samples), rounds) =
@@ -240,10 +138,10 @@ impl RenderOptions {
             return usage(format!(
                 "--samples-per-pixel {samples}: a round of {} takes one sample of every pixel at least, and {rounds} are to be made; \
                  give more samples or fewer rounds",
-                value_name(self.method())
+                self.method()
             ));
         }
-        if self.camera_from.is_some() && self.camera_from == self.camera_to {
+        if self.view.camera_from.is_some() && self.view.camera_from == self.view.camera_to {
             return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
         }
         let targets = self.targets();
@@ -267,16 +165,12 @@ impl RenderOptions {
     }
 }
 
-/// The value as it is written on the command line.
-pub fn value_name(value: impl ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use clap::Parser;
 
     use super::*;
+    use crate::args::values::Strata;
 
     #[derive(Debug, Parser)]
     struct Line {
@@ -293,7 +187,10 @@ mod tests {
     fn the_defaults_render_the_cornell_box() {
         let options = parse("").expect("valid");
         assert_eq!(options.scene, PathBuf::from("cornell"));
-        assert_eq!((options.method(), options.strata, options.seed), (Method::Auto, Strata::default(), 0));
+        assert_eq!(
+            (options.method(), options.transport.strata, options.transport.seed),
+            (Method::Auto, Strata::default(), 0)
+        );
         assert_eq!((options.budget(), options.rounds, options.first_round), (None, None, 0));
         assert!(options.check().is_ok());
     }
@@ -324,11 +221,14 @@ mod tests {
         )
         .expect("valid");
         assert_eq!(options.outputs.len(), 2);
-        assert_eq!((options.method(), options.strata), (Method::Bdpt, "4x3".parse().expect("strata")));
+        assert_eq!((options.method(), options.transport.strata), (Method::Bdpt, "4x3".parse().expect("strata")));
         assert_eq!(options.budget(), Some(Budget::SamplesPerPixel(4.5)));
-        assert_eq!((options.rounds, options.first_round, options.max_length), (Some(4), 2, Some(8)));
-        assert_eq!((options.camera_from, options.camera_to), (Some([-1.0, 2.0, 3.0]), Some([0.0, 0.0, -1.0])));
-        assert_eq!((options.fov, options.exposure), (Some(40.0), -1.5));
+        assert_eq!((options.rounds, options.first_round, options.transport.max_length), (Some(4), 2, Some(8)));
+        assert_eq!(
+            (options.view.camera_from, options.view.camera_to),
+            (Some([-1.0, 2.0, 3.0]), Some([0.0, 0.0, -1.0]))
+        );
+        assert_eq!((options.view.fov, options.exposure), (Some(40.0), -1.5));
         assert!(options.json && options.quiet);
     }
 

@@ -4,6 +4,7 @@ use std::{fmt, num::NonZeroUsize, str::FromStr, time::Duration};
 
 use mlt_core::transport::lights::Stratification;
 use mlt_core::transport::paths::Classes;
+use serde::{Serialize, Serializer};
 
 use crate::output::MAX_SIDE;
 
@@ -42,6 +43,12 @@ impl FromStr for Size {
 impl fmt::Display for Size {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+impl Serialize for Size {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
     }
 }
 
@@ -109,6 +116,12 @@ impl fmt::Display for Strata {
             [1, 1] => Ok(()),
             [columns, rows] => write!(f, ",tiles:{columns}x{rows}"),
         }
+    }
+}
+
+impl Serialize for Strata {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
     }
 }
 

@@ -4,7 +4,7 @@ use std::{ffi::OsString, fmt, path::Path, str::FromStr};
 
 use clap::{Args, FromArgMatches};
 
-use super::render::{RenderOptions, value_name};
+use super::render::RenderOptions;
 use crate::exit::one_sentence;
 
 /// Options that all runs of a study share, and that a method can therefore not have for itself.
@@ -48,7 +48,7 @@ impl Default for Variant {
     /// The default of `mlt render SCENE`, under the name of its method.
     fn default() -> Self {
         let unnamed = Self { text: String::new(), words: Vec::new() };
-        let method = unnamed.render_options(Path::new("cornell"), &[]).ok().map(|options| value_name(options.method()));
+        let method = unnamed.render_options(Path::new("cornell"), &[]).ok().map(|options| options.method().to_string());
         Self { text: method.unwrap_or_default(), ..unnamed }
     }
 }
@@ -91,7 +91,7 @@ fn parse(words: impl Iterator<Item = OsString>) -> Result<RenderOptions, String>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::render::Method;
+    use crate::args::transport::Method;
 
     fn options(text: &str) -> Result<RenderOptions, String> {
         text.parse::<Variant>()?.render_options(Path::new("-a scene"), &["--seed=3".into()])
@@ -100,9 +100,12 @@ mod tests {
     #[test]
     fn a_variant_is_a_command_line_of_render() {
         let found = options("bdpt").expect("valid");
-        assert_eq!((found.method(), found.seed, found.scene.as_path()), (Method::Bdpt, 3, Path::new("-a scene")));
+        assert_eq!(
+            (found.method(), found.transport.seed, found.scene.as_path()),
+            (Method::Bdpt, 3, Path::new("-a scene"))
+        );
         let found = options("mlt:4x3:importance=luminance:rounds=4").expect("valid");
-        assert_eq!((found.strata.to_string(), found.rounds), ("4x3".to_owned(), Some(4)));
+        assert_eq!((found.transport.strata.to_string(), found.rounds), ("4x3".to_owned(), Some(4)));
         assert_eq!(options("mlt:rounds=4").map(|options| options.rounds), Ok(Some(4)));
     }
 

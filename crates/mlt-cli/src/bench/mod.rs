@@ -1,5 +1,6 @@
 //! `mlt bench`: error charted against time, rays and mutations.
 
+mod axis;
 mod chart;
 mod folder;
 mod journal;

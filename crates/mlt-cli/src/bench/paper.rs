@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::{
+    axis::Axis,
     row::Row,
     statistics::{self, Estimate, Verdict, mean, mean_of},
-    summary::Axis,
 };
 
 /// Unstratified and stratified, with the paper's weights; it does not say into how many cells it cuts a light.

@@ -142,7 +142,7 @@ fn row(key: Key, rendered: Rendered, reference: &Reference) -> anyhow::Result<Ro
     Ok(Row {
         key,
         errors: reference.errors(&image)?,
-        strata: report.strata_option,
+        strata: report.transport.strata.to_string(),
         seconds: report.seconds,
         cpu_seconds: report.cpu_seconds,
         rounds: report.rounds,

@@ -49,6 +49,11 @@ impl Ending {
         if fit < 0.5 && done > 0 { 0 } else { begun.max(1).min(more) }
     }
 
+    /// Whether the error decides it.
+    pub fn needs_error(&self) -> bool {
+        self.plan.error.is_some()
+    }
+
     /// Where the progress bar stands after `done` rounds; errors fall as one over the square root of the work.
     pub fn share(&self, done: f64, error: Option<f64>) -> u64 {
         let rounds = self.plan.rounds.map_or(0.0, |rounds| done / rounds as f64);

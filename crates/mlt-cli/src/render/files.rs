@@ -7,7 +7,12 @@ use rayon::prelude::*;
 use super::{Plan, Setup, session::Finished};
 use crate::{
     Failure,
-    args::render::RenderOptions,
+    args::{
+        render::RenderOptions,
+        values::Size,
+        view::ViewOptions,
+        written::{command_line, shell_word, written},
+    },
     image::Image,
     output::{Format, OutputFile, atomic, exr, png},
     report::Report,
@@ -17,7 +22,7 @@ use crate::{
 pub fn write(options: &RenderOptions, setup: &Setup, finished: Finished) -> Result<Report, Failure> {
     let Finished { film, mut report, per_pixel, .. } = finished;
     let (image, stderr) = develop(film, setup)?;
-    let attributes = attributes(options, &report, per_pixel);
+    let attributes = attributes(options, &report, per_pixel)?;
     let write = |output: &OutputFile| -> anyhow::Result<String> {
         let bytes = match output.format {
             Format::Exr => exr::encode(&image, stderr.as_deref(), &attributes)?,
@@ -48,70 +53,40 @@ pub fn develop(mut film: Film<3>, setup: &Setup) -> anyhow::Result<(Image, Optio
     Ok((image, stderr))
 }
 
-/// The options that make the file again.
-fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> Vec<(String, String)> {
-    let mut command = vec![
-        "mlt render".to_owned(),
-        shell_word(&report.scene),
-        format!("--method {}", report.method),
-        format!("--strata {} --weights {}", report.strata_option, report.weights),
-        format!("--rounds-pilot {} --variant {}", report.rounds_pilot, report.variant),
-        format!("--perturbations {} --importance {}", report.perturbations, report.importance),
-        Plan::budget_option(options.method(), per_pixel, report.rounds),
-        format!("--rounds {} --first-round {} --seed {}", report.rounds, report.first_round, report.seed),
-        format!("--size {}x{}", report.width, report.height),
+/// The options that make the file again, and the figures of the render.
+fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> anyhow::Result<Vec<(String, String)>> {
+    let transport = written(&report.transport)?;
+    let size = Size { width: report.width, height: report.height };
+    let view = written(&ViewOptions { size: Some(size), ..options.view.clone() })?;
+    let command = [
+        vec!["mlt render".to_owned(), shell_word(&report.scene), format!("--method={}", report.method)],
+        command_line(&transport),
+        vec![
+            Plan::budget_option(report.method, per_pixel, report.rounds),
+            format!("--rounds={} --first-round={}", report.rounds, report.first_round),
+        ],
+        command_line(&view),
     ];
-    command.extend(options.max_length.map(|edges| format!("--max-length {edges}")));
-    command.extend(options.camera.as_ref().map(|name| format!("--camera={}", shell_word(name))));
-    let point = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
-    command.extend(options.camera_from.map(|from| format!("--camera-from {}", point(from))));
-    command.extend(options.camera_to.map(|to| format!("--camera-to {}", point(to))));
-    command.extend(options.fov.map(|fov| format!("--fov {fov}")));
-    let text = |name: &str, value: String| (format!("mlt.{name}"), value);
-    vec![
-        text("version", report.version.clone()),
-        text("scene", report.scene.clone()),
-        text("command", command.join(" ")),
-        text("method", report.method.clone()),
-        text("strata", report.strata_option.clone()),
-        text("weights", report.weights.clone()),
-        text("rounds_pilot", report.rounds_pilot.to_string()),
-        text("variant", report.variant.clone()),
-        text("perturbations", report.perturbations.clone()),
-        text("importance", report.importance.clone()),
-        text("seed", report.seed.to_string()),
-        text("rounds", report.rounds.to_string()),
-        text("first_round", report.first_round.to_string()),
-        text("per_pixel_per_round", per_pixel.to_string()),
-        text("b", report.b.to_string()),
-        text("b_stderr", known(Some(report.b_stderr))),
-        text("seconds", report.seconds.to_string()),
-        text("relative_error", known(report.relative_error)),
-        text("r_hat", known(report.agreement.map(|agreement| agreement.r_hat))),
-        text("warnings", report.warnings.join("\n")),
-    ]
+    let of_render = [
+        ("version", report.version.clone()),
+        ("scene", report.scene.clone()),
+        ("command", command.concat().join(" ")),
+        ("method", report.method.to_string()),
+        ("rounds", report.rounds.to_string()),
+        ("first_round", report.first_round.to_string()),
+        ("per_pixel_per_round", per_pixel.to_string()),
+        ("b", report.b.to_string()),
+        ("b_stderr", known(Some(report.b_stderr))),
+        ("seconds", report.seconds.to_string()),
+        ("relative_error", known(report.relative_error)),
+        ("r_hat", known(report.agreement.map(|agreement| agreement.r_hat))),
+        ("warnings", report.warnings.join("\n")),
+    ];
+    let all = of_render.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(transport);
+    Ok(all.map(|(name, value)| (format!("mlt.{name}"), value)).collect())
 }
 
 /// A figure, if it is one.
 fn known(value: Option<f64>) -> String {
     value.filter(|value| value.is_finite()).map_or_else(|| "unknown".into(), |value| value.to_string())
-}
-
-/// `text` as one word for a POSIX shell.
-fn shell_word(text: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "_-./:,+=@%".contains(c);
-    if !text.is_empty() && text.chars().all(plain) { text.into() } else { format!("'{}'", text.replace('\'', r"'\''")) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::shell_word;
-
-    #[test]
-    fn words_survive_the_shell() {
-        let words = [("a/b-1.glb", "a/b-1.glb"), ("", "''"), ("my room.glb", "'my room.glb'"), ("it's", r"'it'\''s'")];
-        for (text, word) in words {
-            assert_eq!(shell_word(text), word);
-        }
-    }
 }

@@ -6,8 +6,8 @@ mod files;
 mod losses;
 mod plan;
 mod session;
-mod settings;
 mod setup;
+mod speed;
 mod summary;
 mod trust;
 

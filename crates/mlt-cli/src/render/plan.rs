@@ -2,7 +2,10 @@
 
 use std::{fmt, time::Duration};
 
-use crate::args::render::{Budget, Method, RenderOptions};
+use crate::args::{
+    render::{Budget, RenderOptions},
+    transport::Method,
+};
 
 /// Rounds of a render whose budget says nothing else.
 const ROUNDS: u64 = 16;

@@ -52,7 +52,7 @@ fn seen(
     memory: &Memory,
     warnings: &mut Vec<String>,
 ) -> Result<(Scene, Camera), Failure> {
-    let framed = options.camera_from.is_none() && loaded.description.cameras.is_empty();
+    let framed = options.view.camera_from.is_none() && loaded.description.cameras.is_empty();
     let pose = pose(options, &loaded.description)?;
     let size = size(options, &pose);
     let pixels = u64::from(size[0]) * u64::from(size[1]);
@@ -100,12 +100,12 @@ fn overlaps(pairs: &[[SurfaceName; 2]]) -> Vec<String> {
 }
 
 fn pose(options: &RenderOptions, scene: &SceneDescription) -> Result<CameraPose, Failure> {
-    let fov = options.fov.map(|degrees| degrees.to_radians() as f32);
-    if let (Some(from), Some(to)) = (options.camera_from, options.camera_to) {
+    let fov = options.view.fov.map(|degrees| degrees.to_radians() as f32);
+    if let (Some(from), Some(to)) = (options.view.camera_from, options.view.camera_to) {
         let [from, to] = [from, to].map(DVec3::from_array);
         return Ok(mlt_scene::camera_look_at(from, to, fov.unwrap_or(40f32.to_radians())));
     }
-    let pose = match &options.camera {
+    let pose = match &options.view.camera {
         Some(name) => scene.cameras.iter().find(|camera| camera.name == *name).cloned().ok_or_else(|| {
             let names: Vec<_> =
                 scene.cameras.iter().map(|camera| format!("\"{}\"", printable(&camera.name, 60))).collect();
@@ -126,7 +126,7 @@ fn pose(options: &RenderOptions, scene: &SceneDescription) -> Result<CameraPose,
 
 /// The size asked for, or one of the camera's aspect ratio.
 fn size(options: &RenderOptions, pose: &CameraPose) -> [u32; 2] {
-    match options.size {
+    match options.view.size {
         Some(size) => [size.width as u32, size.height as u32],
         None => {
             let aspect = f64::from(pose.aspect_ratio.unwrap_or(1.0)).clamp(1.0 / 16.0, 16.0);

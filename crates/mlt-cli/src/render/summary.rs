@@ -8,7 +8,7 @@ use mlt_core::transport::render::Counts;
 
 use super::{Setup, losses::losses, plan::TRUSTED_ROUNDS};
 use crate::{
-    args::render::{RenderOptions, value_name},
+    args::render::RenderOptions,
     report::{Acceptance, Report, StratumReport, Trust},
 };
 
@@ -21,17 +21,10 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
     let mut report = Report {
         version: env!("CARGO_PKG_VERSION").into(),
         scene: setup.name.clone(),
-        method: value_name(options.method()),
-        strata_option: options.strata.to_string(),
-        weights: value_name(options.weights()),
-        rounds_pilot: options.rounds_pilot,
-        variant: value_name(options.variant),
-        perturbations: options.perturbations.to_string(),
-        importance: value_name(options.importance),
+        method: options.method(),
+        transport: options.transport.clone(),
         width,
         height,
-        max_length: options.max_length,
-        seed: options.seed,
         threads: rayon::current_num_threads(),
         first_round: options.first_round,
         rounds: film.rounds(),

@@ -8,7 +8,10 @@ use std::{collections::BTreeMap, fmt};
 use mlt_core::engine::HalfChains;
 use serde::Serialize;
 
-use crate::progress::short;
+use crate::{
+    args::transport::{Method, TransportOptions},
+    progress::short,
+};
 
 pub use decision::{Decision, Part};
 pub use trust::Trust;
@@ -20,28 +23,15 @@ pub struct Report {
     pub version: String,
     /// The scene as named on the command line.
     pub scene: String,
-    /// As named on the command line.
-    pub method: String,
-    /// As given: `none`, `auto`, a number or `NxM`, and classes.
-    pub strata_option: String,
-    /// `power` or `adaptive`.
-    pub weights: String,
-    /// Rounds of each measurement of the pilot.
-    pub rounds_pilot: u64,
-    /// `stratified` or `mutation-only`.
-    pub variant: String,
-    /// Perturbations beside the bidirectional mutation: `all`, `none` or names with commas.
-    pub perturbations: String,
-    /// The importance that chains sample in proportion to.
-    pub importance: String,
+    /// As named on the command line, or the one that suits the other options.
+    pub method: Method,
+    /// The options as given, or their defaults.
+    #[serde(flatten)]
+    pub transport: TransportOptions,
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Longest path in edges; `None`: no limit.
-    pub max_length: Option<u32>,
-    /// Seed of the random numbers.
-    pub seed: u64,
     /// Threads that were used.
     pub threads: usize,
     /// Number of the first round.
@@ -171,7 +161,7 @@ impl fmt::Display for Report {
         writeln!(
             f,
             "{}: {}, strata {}, {}x{}, seed {}",
-            self.scene, self.method, self.strata_option, self.width, self.height, self.seed
+            self.scene, self.method, self.transport.strata, self.width, self.height, self.transport.seed
         )?;
         write!(f, "  time            {:.2} s, {} threads", self.seconds, self.threads)?;
         self.cpu_seconds.map_or(Ok(()), |cpu| write!(f, ", {cpu:.2} s of processor time"))?;
@@ -243,23 +233,29 @@ impl fmt::Display for Acceptance {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::{
+        perturbations::PerturbationList,
+        transport::{Importance, Variant},
+    };
 
     fn report() -> Report {
         let mutations = [("bidirectional".to_owned(), Some(0.25)), ("lens".to_owned(), None)].into();
         Report {
             version: "0.1.0".into(),
             scene: "cornell".into(),
-            method: "mlt".into(),
-            strata_option: "4x5".into(),
-            weights: "adaptive".into(),
-            rounds_pilot: 4,
-            variant: "stratified".into(),
-            perturbations: "all".into(),
-            importance: "luminance".into(),
+            method: Method::Mlt,
+            transport: TransportOptions {
+                strata: "4x5".parse().expect("valid"),
+                weights: None,
+                rounds_pilot: 4,
+                variant: Variant::Stratified,
+                perturbations: PerturbationList::default(),
+                importance: Importance::Luminance,
+                max_length: None,
+                seed: 7,
+            },
             width: 64,
             height: 48,
-            max_length: None,
-            seed: 7,
             threads: 2,
             first_round: 0,
             rounds: 4,
@@ -324,6 +320,7 @@ mod tests {
         ] {
             assert!(!json[name].is_null(), "{name}");
         }
+        assert_eq!((&json["strata_option"], &json["weights"]), (&"4x5".into(), &"adaptive".into()));
         assert_eq!(json["acceptance"]["total"], 0.25);
         assert_eq!(json["acceptance"]["bidirectional"], 0.25);
         assert!(json["acceptance"]["lens"].is_null());

@@ -1,9 +1,11 @@
 //! Evidence for a verdict: independent replicas of a method and of a reference.
 
 use mlt_core::engine::HalfChains;
+use mlt_core::transport::lights::Stratification;
 use mlt_core::transport::{Rgb, luminance};
 
 use crate::{
+    args::transport::Method,
     image::Image,
     render::{Grid, Rendered},
     report::{Report, StratumReport},
@@ -38,9 +40,9 @@ impl Replica {
         let Rendered { image, stderr, report, blocks } = rendered;
         let grey = |rgb: &[f32; 3]| f64::from(luminance(Rgb::from_array(*rgb)));
         let longest_rejection = report.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0);
-        let strata = match (report.method.as_str(), report.strata_option.starts_with("auto")) {
-            ("auto", _) => Vec::new(),
-            (_, true) => vec![together(&report)],
+        let strata = match (report.method, report.transport.strata.lights) {
+            (Method::Auto, _) => Vec::new(),
+            (_, Stratification::Auto) => vec![together(&report)],
             _ => report.strata,
         };
         Self {

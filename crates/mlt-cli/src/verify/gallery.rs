@@ -18,11 +18,7 @@ use super::{
 };
 use crate::{
     Failure,
-    args::{
-        render::{Method, value_name},
-        variant::Variant,
-        verify::VerifyOptions,
-    },
+    args::{transport::Method, variant::Variant, verify::VerifyOptions},
     output::atomic,
 };
 
@@ -62,7 +58,7 @@ const FAULTS: [(&str, &str); 6] = [
 
 /// Every method there is.
 pub fn all_methods() -> Result<Vec<Variant>, Failure> {
-    let names = Method::value_variants().iter().map(|method| value_name(*method)).chain([STRATIFIED.to_owned()]);
+    let names = Method::value_variants().iter().map(Method::to_string).chain([STRATIFIED.to_owned()]);
     let methods = names.map(|name| name.parse()).collect::<Result<_, String>>();
     methods.map_err(|message| Failure::Run(anyhow::anyhow!(message)))
 }

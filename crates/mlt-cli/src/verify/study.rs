@@ -13,11 +13,7 @@ use super::{
 };
 use crate::{
     Failure,
-    args::{
-        render::{Method, RenderOptions},
-        values::Size,
-        variant::Variant,
-    },
+    args::{render::RenderOptions, transport::Method, values::Size, variant::Variant},
     bench::statistics::mean_of,
     interrupt::Interrupt,
     render::{self, Plan, Setup},

@@ -6,6 +6,7 @@ use anyhow::Context;
 use askama::Template;
 
 use super::{
+    axis::Axis,
     chart::{self, significant},
     paint,
     paper::{Cell as PaperCell, Comparison},
@@ -13,7 +14,7 @@ use super::{
     runs::Ready,
     statistics::{self, Estimate, median},
     subject::{Reference, Subject},
-    summary::{Axis, Curve, Point, curves, usual_target},
+    summary::{Curve, Point, curves, usual_target},
 };
 use crate::args::bench::{BenchOptions, Budget};
 use tables::{Line, RatioLine, acceptance, class, error_cells, interval, line, mutations, ratio_line, reach};

@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 
 use super::super::{
+    axis::Axis,
     chart::{self, significant},
     row::Row,
     statistics::{self, Crossing, Estimate, Verdict, median},
-    summary::{Axis, Curve},
+    summary::Curve,
 };
 
 /// A method and its figures.

@@ -1,0 +1,34 @@
+//! The horizontal axis of a chart.
+
+use super::row::Row;
+
+/// Horizontal axis of a chart of error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Seconds on the clock.
+    Seconds,
+    /// Rays per pixel.
+    Rays,
+    /// Mutations per pixel, or samples per pixel.
+    Work,
+}
+
+impl Axis {
+    /// Where a run stands on it.
+    pub fn of(self, row: &Row) -> f64 {
+        match self {
+            Self::Seconds => row.seconds,
+            Self::Rays => row.rays as f64 / (row.key.width * row.key.height) as f64,
+            Self::Work => row.per_pixel(),
+        }
+    }
+
+    /// Its name with unit.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Seconds => "seconds",
+            Self::Rays => "rays per pixel",
+            Self::Work => "mutations or samples per pixel",
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The round that suits a time budget.
+
+use std::{
+    ops::ControlFlow,
+    time::{Duration, Instant},
+};
+
+use mlt_core::engine::{Film, Outcome};
+use mlt_core::transport::image::Target;
+use mlt_core::transport::lights::Stratification;
+use mlt_core::transport::methods::metropolis::Weights;
+use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::scene::View;
+
+use super::Plan;
+use crate::{args::render::RenderOptions, interrupt::Interrupt};
+
+/// Time that is enough to measure the speed.
+const ENOUGH: Duration = Duration::from_millis(300);
+/// Mutations or samples of a task, about.
+const TASK: f64 = 8192.0;
+
+/// The size of a round.
+pub struct Round {
+    /// Mutations or samples a pixel.
+    pub per_pixel: f64,
+    /// Time that a round of it takes, about; 0 where that does not matter.
+    pub time: Duration,
+}
+
+impl Round {
+    /// As planned, or measured to suit the time.
+    pub fn new(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> Self {
+        match plan.per_pixel {
+            Some(per_pixel) => Self { per_pixel, time: Duration::ZERO },
+            None => measured(options, view, plan, interrupt),
+        }
+    }
+}
+
+/// The round that suits a time budget, from the speed of small renders: each keeps all threads busy.
+fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> Round {
+    let time = plan.time.unwrap_or_default();
+    let (start, enough) = (Instant::now(), time.mul_f64(0.01).min(ENOUGH));
+    let mut observe = |_, _: &Film<3>| match interrupt.requested() {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    };
+    let mut size = 1.0 / 64.0;
+    loop {
+        let trial = Renderer::new(view, without_pilot(options.settings(size)));
+        let done = if options.method().mutates() { size } else { size.max(1.0) };
+        let rounds = rounds_of_trial(done * f64::from(view.camera.pixels()));
+        let (mut film, before) = (trial.film(), Instant::now());
+        if trial.render(0..rounds, &mut film, &mut Counts::default(), &mut observe) == Outcome::Stopped {
+            return Round { per_pixel: size, time: Duration::ZERO };
+        }
+        let taken = before.elapsed();
+        if taken > enough || start.elapsed() > time.mul_f64(0.05) {
+            let rate = rounds as f64 * done / taken.as_secs_f64().max(1e-6);
+            let per_pixel = plan.per_pixel_at(rate, time.saturating_sub(start.elapsed()));
+            return Round { per_pixel, time: Duration::from_secs_f64(per_pixel / rate) };
+        }
+        size *= 4.0;
+    }
+}
+
+/// Rounds of so many mutations or samples that give each thread two tasks, but no more of them than that.
+fn rounds_of_trial(size: f64) -> u64 {
+    let most = 2 * rayon::current_num_threads() as u64;
+    (most as f64 * TASK / size).clamp(1.0, most as f64) as u64
+}
+
+/// Settings for a trial of speed: what a pilot would find does not matter much to it, and the work of `auto` is that of as
+/// many samples of path tracing.
+fn without_pilot(settings: Settings) -> Settings {
+    settings.with(|settings| {
+        if settings.method == Method::Auto {
+            settings.method = Method::Path;
+        }
+        if settings.stratification == Stratification::Auto {
+            settings.stratification = Stratification::None;
+        }
+        settings.adaptation.weights = Weights::Power;
+        settings.target = Target::Luminance;
+    })
+}
