@@ -28,7 +28,7 @@ pub fn camera_framing(bounds: [DVec3; 2]) -> CameraPose {
     let centre = 0.5 * (bounds[0] + bounds[1]);
     let radius = 0.5 * bounds[0].distance(bounds[1]);
     let radius = if radius > 0.0 && radius.is_finite() { radius } else { 1.0 };
-    let distance = radius / f64::from(vertical_fov / 2.0).sin();
+    let distance = radius / libm::sin(f64::from(vertical_fov / 2.0));
     let from = centre + distance * DVec3::new(0.0, 0.3, 1.0).normalize();
     CameraPose { name: "framing".to_owned(), ..camera_look_at(from, centre, vertical_fov) }
 }

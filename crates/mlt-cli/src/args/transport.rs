@@ -102,19 +102,20 @@ pub enum Variant {
 #[derive(Args, Clone, Debug, PartialEq, Serialize)]
 pub struct TransportOptions {
     /// Cut lights into strata: 'none', 'auto' (found by a pilot), a number of strata, or columns and rows of cells per
-    /// light; add ',length' and ',tiles:NxM' to cut by path length and over the image as well
+    /// light; add ',length' and ',tiles:NxM' to cut by path length and over the image as well (mlt; auto, pssmlt and mmlt take the cut of
+    /// lights alone)
     #[arg(long, value_name = "none|auto|COUNT|NxM", default_value_t, help_heading = "Method")]
     #[serde(rename = "strata_option")]
     pub strata: Strata,
-    /// How mutations are shared among strata; adaptive if not given
+    /// How mutations are shared among strata in mlt; adaptive if not given
     #[arg(long, value_enum, help_heading = "Method")]
     #[serde(serialize_with = "or_default")]
     pub weights: Option<Weights>,
-    /// Rounds of each measurement of the pilot, for adaptive weights and automatic strata
+    /// Rounds of each measurement of the pilot, for adaptive weights and automatic strata in mlt
     #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Method")]
     #[arg(value_parser = clap::value_parser!(u64).range(2..=64))]
     pub rounds_pilot: u64,
-    /// Chains or mutations that strata restrict
+    /// Chains or mutations that strata restrict in mlt
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     pub variant: Variant,
     /// Perturbations beside the bidirectional mutation in mlt: 'all' that the scene has use for, 'none', or some of lens, multi-chain and

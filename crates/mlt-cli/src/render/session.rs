@@ -24,8 +24,9 @@ use crate::{
     report::{Agreement, Decision, Report},
 };
 
-/// Bytes of a round for each of its mutations: a 32nd of an independent sample, and the counts of short chains.
-const BYTES_PER_MUTATION: f64 = 0.6;
+/// Bytes of a round for each of its mutations: a quarter of an independent sample, whose weight is held twice while it is gathered, and
+/// the counts of short chains.
+const BYTES_PER_MUTATION: f64 = 4.2;
 /// Bytes for each sample of the pixels in work, two a thread: its deposits.
 const BYTES_PER_SAMPLE: f64 = 64.0;
 

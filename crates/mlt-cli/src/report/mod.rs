@@ -163,7 +163,8 @@ impl fmt::Display for Report {
             "{}: {}, strata {}, {}x{}, seed {}",
             self.scene, self.method, self.transport.strata, self.width, self.height, self.transport.seed
         )?;
-        write!(f, "  time            {:.2} s, {} threads", self.seconds, self.threads)?;
+        let threads = if self.threads == 1 { "thread" } else { "threads" };
+        write!(f, "  time            {:.2} s, {} {threads}", self.seconds, self.threads)?;
         self.cpu_seconds.map_or(Ok(()), |cpu| write!(f, ", {cpu:.2} s of processor time"))?;
         write!(f, "\n  rounds          {}", self.rounds)?;
         if self.first_round > 0 {

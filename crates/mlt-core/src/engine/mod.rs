@@ -1,7 +1,7 @@
 //! Stratified Metropolis sampling over an arbitrary state space.
 //!
 //! A user brings a [`Path`] (a state and what it deposits), an [`Importance`], one or more [`Mutation`]s and the
-//! [`Stratum`]s that his state space is cut into. The engine estimates, for every site p of a film,
+//! [`Stratum`]s that the state space is cut into. The engine estimates, for every site p of a film,
 //!
 //! image(p) = Σ_j b_j · E_{x ~ I/b_j on Ω_j} [ h_p(x) f(x) / I(x) ]
 //!

@@ -13,9 +13,9 @@
 //! `albedo`.
 
 use super::fresnel::reflect;
-use crate::transport::geometry::math::frame;
+use crate::transport::geometry::math::{frame, turn};
 use glam::Vec3A;
-use std::f32::consts::{FRAC_1_PI, TAU};
+use std::f32::consts::FRAC_1_PI;
 
 /// Directions with a cosine up to this, a few roundings of a dot product, count as tangent and scatter nothing.
 pub const GRAZING: f32 = 1e-6;
@@ -106,9 +106,8 @@ impl Ggx {
         let w = Vec3A::new(self.alpha * v.dot(s), self.alpha * v.dot(t), cos).normalize();
         let below = u[1] * (1.0 + w.z);
         let sin = (below * (2.0 - below)).max(0.0).sqrt();
-        let (sin_azimuth, cos_azimuth) = (TAU * u[0]).sin_cos();
-        let x = self.alpha * (sin * cos_azimuth + w.x);
-        let y = self.alpha * (sin * sin_azimuth + w.y);
+        let azimuth = sin * turn(u[0]);
+        let [x, y] = [self.alpha * (azimuth.x + w.x), self.alpha * (azimuth.y + w.y)];
         (x * s + y * t + (1.0 + w.z - below) * n).try_normalize()
     }
 }

@@ -1,9 +1,9 @@
 //! Directions about as light leaves that microfacets scatter more than once.
 
 use super::microfacet::Ggx;
-use crate::transport::geometry::math::frame;
+use crate::transport::geometry::math::{frame, turn};
 use glam::Vec3A;
-use std::f32::consts::{FRAC_1_PI, TAU};
+use std::f32::consts::FRAC_1_PI;
 
 /// q = cosθ/(π (cos²θ + α²) ln(1 + 1/α²)), sr⁻¹.
 ///
@@ -37,7 +37,7 @@ impl Spread {
         let cos2 = (self.alpha2 * libm::expm1f(u[0] * self.log)).min(1.0);
         let (sin, cos) = ((1.0 - cos2).sqrt(), cos2.sqrt());
         let (s, t) = frame(n);
-        let (y, x) = (TAU * u[1]).sin_cos();
-        sin * (x * s + y * t) + cos * n
+        let azimuth = turn(u[1]);
+        sin * (azimuth.x * s + azimuth.y * t) + cos * n
     }
 }

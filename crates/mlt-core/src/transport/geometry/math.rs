@@ -56,6 +56,13 @@ pub(crate) fn on_circle(bits: u32) -> Vec2 {
     eighth_turn(FRAC_PI_2 * in_quarter).rotate(QUARTER_TURNS[(bits >> 30) as usize])
 }
 
+/// A point on the unit circle, uniformly for uniform `u` in [0, 1).
+#[inline(always)]
+pub(crate) fn turn(u: f32) -> Vec2 {
+    let quarter = (4.0 * u) as usize % 4;
+    eighth_turn(FRAC_PI_2 * (4.0 * u - quarter as f32 - 0.5)).rotate(QUARTER_TURNS[quarter])
+}
+
 /// A direction about the unit vector `n` with density cosθ/π, sr⁻¹.
 #[inline(always)]
 pub fn cosine_hemisphere(n: Vec3A, u: Vec2) -> Vec3A {

@@ -24,7 +24,7 @@ pub enum Stratification {
 /// Most strata, whatever is asked for.
 const MOST_STRATA: f64 = 65_536.0;
 
-/// A partition of the lights, and with them of path space: Ω_j are the paths that start in part j.
+/// A partition of the lights. docs/theory-strata.md, section 1, has how it cuts path space.
 #[derive(Clone, Debug)]
 pub struct LightStrata {
     regions: Vec<LightRegion>,

@@ -1,9 +1,9 @@
 //! Metropolis where it pays, independent samples where those are better.
 //!
 //! Path space is cut into parts: of the lights, by length, by what next-event estimation cannot sample, and images of
-//! lights, which camera rays find. A pilot on a
-//! small image measures what path tracing, bidirectional path tracing and chains leave of error in each part, and
-//! what they cost; then one independent method samples the parts that it finds easy, and chains sample the rest.
+//! lights, which camera rays find. A pilot on a small image measures what path tracing, bidirectional path tracing and
+//! chains leave of error in each part, and what they cost; then one independent method samples the parts that it finds
+//! easy, and chains sample the rest.
 //! Every part is sampled by exactly one of them, so the sum is unbiased whatever the pilot found.
 
 mod candidates;

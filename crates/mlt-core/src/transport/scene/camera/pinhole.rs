@@ -62,7 +62,7 @@ impl CameraRay {
 
 impl Camera {
     pub(crate) fn new(pose: &CameraPose, position: Vec3, size: [u32; 2]) -> Self {
-        let half_height = (0.5 * pose.vertical_fov).tan();
+        let half_height = libm::tanf(0.5 * pose.vertical_fov);
         let half_width = half_height * size[0] as f32 / size[1] as f32;
         let right = Vec3A::from(half_width * pose.forward.cross(pose.up));
         let down = Vec3A::from(-half_height * pose.up);

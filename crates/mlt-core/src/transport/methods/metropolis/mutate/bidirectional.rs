@@ -28,7 +28,7 @@ use std::array;
 const NONE_DELETED: f64 = 0.1;
 /// P(a | d): relative weights of |a − d| = 0, 1, 2.
 const CHANGE: [f64; 3] = [0.5, 0.15, 0.05];
-/// Relative weight of the technique that has to hit a light or the image by chance.
+/// Relative weight of techniques that seldom succeed: a light is hit by chance, or the camera is connected to.
 const CHANCE: f64 = 0.25;
 
 /// Deletes a subpath and traces a new one; what replaces the light end starts on the stratum.
@@ -196,8 +196,8 @@ impl Edit {
     /// P(a′ | a) without its normalisation.
     fn split_weight(&self, split: usize) -> f64 {
         let hits_light = self.s + split == 0;
-        let hits_image = self.t == 1 && split == self.added;
-        if hits_light || hits_image { CHANCE } else { 1.0 }
+        let connects_camera = self.t == 1 && split == self.added;
+        if hits_light || connects_camera { CHANCE } else { 1.0 }
     }
 
     /// Σ_{a′} of these weights; all but the first and the last are 1.
