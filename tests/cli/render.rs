@@ -322,6 +322,17 @@ fn what_was_left_out_is_said_of_a_scene_that_cannot_be_rendered() {
     assert!(lines[1].starts_with("error: ") && lines[1].contains("no light"), "{lines:?}");
 }
 
+/// Options of chains do nothing for a method that has none, and choose `mlt` where no method is named.
+#[test]
+fn options_of_chains_are_missed_where_there_are_none() {
+    let folder = with_obj();
+    for (options, said) in [("--method pt --strata 4x4", true), ("--strata 4x4", false), ("--method pt", false)] {
+        let line = format!("light.obj {options} --size 8x8 --samples-per-pixel 16");
+        let output = command(folder.path(), &line).output().expect("mlt starts");
+        assert_eq!(text(&output.stderr).contains("pt has no chains"), said, "{options}: {}", text(&output.stderr));
+    }
+}
+
 #[cfg(unix)]
 mod unix {
     use std::{

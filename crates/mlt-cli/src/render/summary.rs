@@ -8,7 +8,7 @@ use mlt_core::transport::render::Counts;
 
 use super::{Setup, losses::losses, plan::TRUSTED_ROUNDS};
 use crate::{
-    args::render::RenderOptions,
+    args::{render::RenderOptions, transport::Method},
     report::{Acceptance, Report, StratumReport, Trust},
 };
 
@@ -49,6 +49,7 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
         warnings: setup.warnings.clone(),
         outputs: Vec::new(),
     };
+    report.warnings.extend(without_effect(options));
     report.warnings.extend(warnings(film));
     report.warnings.extend(losses(film, counts, width));
     report
@@ -77,6 +78,18 @@ fn stratum(stats: &StratumStats) -> StratumReport {
     let (r_hat, effective_states) = (stats.halves.r_hat(), stats.halves.effective_states());
     let (mutations, halves) = (stats.steps(), stats.halves.clone());
     StratumReport { b, b_stderr, mutations, longest_rejection, r_hat, effective_states, halves }
+}
+
+/// Options of chains for a method that has none.
+fn without_effect(options: &RenderOptions) -> Option<String> {
+    let method = options.method();
+    let ignored = matches!(method, Method::Pt | Method::Bdpt) && options.transport.ask_for_chains();
+    ignored.then(|| {
+        format!(
+            "{method} has no chains: --strata, --weights, --variant, --perturbations and --importance have no effect; \
+             --method mlt takes them"
+        )
+    })
 }
 
 fn warnings(film: &Film<3>) -> Vec<String> {
