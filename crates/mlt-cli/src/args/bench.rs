@@ -92,7 +92,7 @@ fn ray_budget(text: &str) -> Result<Budget, String> {
     positive(text).map(Budget::Rays)
 }
 
-/// What ends a run of a study.
+/// Condition that ends a run of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     /// Time on the clock.

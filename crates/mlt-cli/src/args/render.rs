@@ -56,7 +56,7 @@ pub struct RenderOptions {
     /// perturbations or an importance, else auto
     #[arg(long, value_enum, help_heading = "Method")]
     pub method: Option<Method>,
-    /// What else decides how it is computed.
+    /// The other options of the computation.
     #[command(flatten)]
     pub transport: TransportOptions,
 

@@ -23,7 +23,7 @@ pub enum Law {
     Inverse,
     /// A chain that starts from the target's distribution keeps it.
     Stationary,
-    /// What is written does not depend on what was there before.
+    /// An output is the same whatever stood in its place before.
     Overwritten,
     /// Where the importance is 0, nothing is deposited.
     Lit,

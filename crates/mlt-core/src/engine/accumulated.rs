@@ -1,4 +1,4 @@
-//! What rounds add up to: all that has to outlive a process.
+//! Sums of rounds: all that has to outlive a process.
 
 use super::bytes::{put, put_list, put_text};
 use super::{Counted, DecodeError, Estimator, Film, MergeError, Observer, Outcome, Reader, Rounds, render};
@@ -43,7 +43,7 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         self.film.rounds_held()
     }
 
-    /// What decides the bits of its rounds.
+    /// Names and values that decide the bits of its rounds.
     pub fn key(&self) -> &Key {
         &self.key
     }

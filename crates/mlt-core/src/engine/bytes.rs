@@ -100,7 +100,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What can be added up in any order, and written to bytes and back.
+/// Counts that add up in any order, and can be written to bytes and read back.
 pub trait Counted: Default {
     /// Adds others; the outcome does not depend on the order.
     fn merge(&mut self, other: &Self);

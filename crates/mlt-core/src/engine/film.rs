@@ -288,7 +288,7 @@ pub enum MergeError {
     Unit,
     /// They were made of other scenes or with other settings.
     Key {
-        /// What differs.
+        /// The property that differs.
         name: String,
         /// Its values.
         values: [String; 2],

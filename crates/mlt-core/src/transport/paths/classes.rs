@@ -32,11 +32,6 @@ pub struct PathClass {
 }
 
 impl Classes {
-    /// Number of classes.
-    pub fn count(&self, max_edges: usize, specular: bool) -> usize {
-        self.kinds(max_edges, specular).len() * (self.tiles[0].max(1) * self.tiles[1].max(1)) as usize
-    }
-
     /// All classes: a partition of the paths of at most `max_edges` edges. `specular`: whether any surface is.
     pub fn all(&self, max_edges: usize, specular: bool) -> Vec<PathClass> {
         let [columns, rows] = self.tiles.map(|n| n.max(1));
@@ -85,7 +80,6 @@ mod tests {
         for (lengths, max_edges) in [(true, 1), (true, 2), (true, 3), (true, 7), (true, 1000), (false, 5)] {
             let classes = Classes { lengths, tiles: [3, 2] };
             let all = classes.all(max_edges, true);
-            assert_eq!(all.len(), classes.count(max_edges, true));
             let images = (max_edges > 1).then_some(Kind::IMAGE);
             for kind in (1..=max_edges).map(|edges| Kind::new(edges, edges % 2 == 1)).chain(images) {
                 let area: f64 = all.iter().filter(|c| c.kinds.contains(kind)).map(PathClass::area).sum();

@@ -57,8 +57,8 @@ pub(crate) struct Pilot<'a> {
     pub(crate) adaptation: Adaptation,
     /// Mutations of a production round.
     pub(crate) mutations: f64,
-    /// Classes that each part of the lights is cut into.
-    pub(crate) classes: usize,
+    /// Number of classes that each part is cut into where the lights have so many.
+    pub(crate) classes: &'a dyn Fn(usize) -> usize,
     /// Mutations for one independent sample, if their noise does not ask for more.
     pub(crate) mutations_a_sample: u64,
     /// n_j by power for so many mutations.
@@ -84,7 +84,7 @@ impl Pilot<'_> {
             Stratification::Auto => self.refine(&mut tally),
             _ => self.cut(stratification),
         };
-        if self.adaptation.weights == Weights::Power || strata.regions().len() * self.classes == 1 {
+        if self.adaptation.weights == Weights::Power || self.strata_of(strata.regions().len()) == 1 {
             return Adapted { strata, shares: None, tally };
         }
         let measures = self.measure(&strata, LEVELS, &mut tally);
@@ -93,13 +93,20 @@ impl Pilot<'_> {
         Adapted { strata, shares: Some(shares), tally }
     }
 
+    /// Strata of so many parts of the lights, without what is met by chance.
+    fn strata_of(&self, parts: usize) -> usize {
+        parts * (self.classes)(parts)
+    }
+
     /// The strata asked for. Where a round has no room for a useful chain in each, weak ones are joined.
     fn cut(&self, stratification: Stratification) -> LightStrata {
         let strata = LightStrata::new(self.lights, stratification);
-        let shortest = (LEAST_CHAIN as usize * self.classes) as f64 / self.mutations;
-        if strata.regions().len() as f64 * shortest <= MOST_IN_SHORT_CHAINS {
+        let parts = strata.regions().len();
+        let shortest = LEAST_CHAIN as f64 / self.mutations;
+        if self.strata_of(parts) as f64 * shortest <= MOST_IN_SHORT_CHAINS {
             return strata;
         }
+        let shortest = shortest * (self.classes)(parts) as f64;
         LightStrata::with_least_share(self.lights, stratification, shortest.min(1.0))
     }
 
@@ -107,7 +114,7 @@ impl Pilot<'_> {
     /// error at the best allocation, √(chain_error · cost), as long as there is room.
     fn refine(&self, tally: &mut Tally) -> LightStrata {
         let tree = LightTree::new(self.lights);
-        let room = (self.mutations / self.classes as f64 / MUTATIONS_PER_STRATUM) as usize;
+        let room = (self.mutations / (self.classes)(FINE) as f64 / MUTATIONS_PER_STRATUM) as usize;
         let most = room.clamp(1, FINE);
         let mut nodes = tree.cut(COARSE.min(most), 0.0);
         for level in 0..LEVELS {
@@ -116,7 +123,7 @@ impl Pilot<'_> {
                 break;
             }
             let measures = self.measure(&strata, level, tally);
-            let of_nodes = measures.chunks(self.classes).take(nodes.len());
+            let of_nodes = measures.chunks((self.classes)(strata.regions().len())).take(nodes.len());
             let errors: Vec<_> = of_nodes.map(|m| m.iter().map(error).sum::<f64>()).collect();
             let before = nodes.len();
             nodes = split(&tree, nodes, &errors, most);

@@ -6,7 +6,7 @@ use super::stratum::{LightStratum, with_met};
 use super::variant::Variant;
 use crate::engine::{MUTATIONS_A_SAMPLE, Metropolis, Mixture, Share, shares_by_power};
 use crate::transport::image::{PixelImportance, error_weights};
-use crate::transport::lights::{LightRegion, LightStrata, Stratification};
+use crate::transport::lights::{LightRegion, LightStrata};
 use crate::transport::methods::run::metropolis;
 use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample, paired};
 use crate::transport::methods::settings::Settings;
@@ -32,8 +32,7 @@ impl<'a> PathChains<'a> {
     /// The strata asked for, and their shares as far as a pilot fits them.
     pub(super) fn adapt(&self) -> Adapted {
         let (view, size) = (self.view, self.view.camera.size());
-        let (max_edges, stratification) = (self.settings.most_edges(), self.settings.stratification);
-        let classes = self.settings.classes;
+        let (max_edges, classes) = (self.settings.most_edges(), self.settings.classes);
         let weights = match self.settings.variant {
             Variant::Stratified => self.settings.adaptation.weights,
             // All paths are one stratum.
@@ -43,7 +42,7 @@ impl<'a> PathChains<'a> {
             lights: view.scene.lights(),
             adaptation: Adaptation { weights, ..self.settings.adaptation },
             mutations: self.mutations_per_round(),
-            classes: classes.count(max_edges, view.scene.needs().specular && stratification == Stratification::None),
+            classes: &|parts| LightStratum::classes_of_part(parts, view, max_edges, classes).len(),
             mutations_a_sample: mutations_a_sample(view, MUTATIONS_A_SAMPLE),
             by_power: &|parts, mutations| {
                 let strata = LightStratum::product(parts, view, max_edges, classes);
@@ -58,7 +57,7 @@ impl<'a> PathChains<'a> {
                 (found.measures, found.tally)
             },
         };
-        pilot.run(stratification)
+        pilot.run(self.settings.stratification)
     }
 
     /// Shares of a round by power, with as many independent samples as are worth their work, and the rays that this took.

@@ -52,11 +52,17 @@ impl<'a> LightStratum<'a> {
         let of_part = |index: usize| {
             let held = if apart { Held::Connected(index as u32) } else { Held::Part(index as u32) };
             let of_class = move |class| Self::new(strata, (held, &strata.regions()[index]), class, view, max_edges);
-            classes.all(max_edges, specular && !apart).into_iter().map(of_class)
+            Self::classes_of_part(strata.regions().len(), view, max_edges, classes).into_iter().map(of_class)
         };
         let met = apart.then(|| Classes { lengths: false, ..classes }.all(max_edges, false)).into_iter().flatten();
         let met = met.map(|class| Self::new(strata, (Held::Met, strata.whole()), class, view, max_edges));
         (0..strata.regions().len()).flat_map(of_part).chain(met).collect()
+    }
+
+    /// The classes that each of so many parts of the lights is cut into.
+    pub(super) fn classes_of_part(parts: usize, view: View, max_edges: usize, classes: Classes) -> Vec<PathClass> {
+        // Images of lights are met by chance.
+        classes.all(max_edges, view.scene.needs().specular && parts == 1)
     }
 
     /// The paths of some kinds in each of the lights' parts, where there are any kinds.
@@ -178,7 +184,7 @@ impl Stratum<LightPath> for LightStratum<'_> {
         mis::densities(path.vertices(), ends).sum()
     }
 
-    /// What is met by chance counts as much as an average part of the lights.
+    /// The stratum of what is met by chance counts as much as an average part of the lights.
     fn power(&self) -> f64 {
         let parts = if self.is_met() { self.strata.regions().len() } else { 1 };
         self.sampler.region.power() / parts as f64 * self.image_area()
@@ -201,7 +207,7 @@ mod tests {
     use super::*;
     use crate::engine::{Purpose, generator};
     use crate::transport::lights::Stratification;
-    use crate::transport::tests::worlds::{lamps, room, rough_metal};
+    use crate::transport::tests::worlds::{lamps, mirror, room, rough_metal};
 
     /// E[Σ 1] over the states that a sample shows, and by their weights and the density that a stratum tells, E[Σ w/p · q]:
     /// z of their difference. Paths of three edges are too short for roulette.
@@ -233,6 +239,19 @@ mod tests {
             // The negative control: the density of samples on twice as large a part of the lights.
             let wrong = z(&halves[0], &whole[0]);
             assert!(wrong.abs() > 4.0, "{wrong}");
+        }
+    }
+
+    /// With one part of the lights, images of lights are a class; with more, all that is met by chance is apart.
+    #[test]
+    fn parts_are_cut_into_as_many_classes_as_a_pilot_counts() {
+        let world = room(mirror(), true);
+        let (view, classes) = (world.view(), Classes { lengths: true, tiles: [2, 1] });
+        for (cut, met, each) in [(Stratification::Grid(1, 1), 0, 8), (Stratification::Grid(2, 1), 2, 6)] {
+            let strata = LightStrata::new(view.scene.lights(), cut);
+            let parts = strata.regions().len();
+            let counted = LightStratum::classes_of_part(parts, view, 9, classes).len();
+            assert_eq!((counted, LightStratum::product(&strata, view, 9, classes).len()), (each, parts * each + met));
         }
     }
 }
