@@ -3,6 +3,7 @@
 use std::{path::PathBuf, sync::LazyLock};
 
 use mlt_cli::{
+    args::scene::SceneOptions,
     interrupt::Interrupt,
     verify::{
         evidence::Evidence,
@@ -22,7 +23,7 @@ fn evidence(scene: &str, method: &str, reference: &str, per_pixel: f64) -> Evide
     };
     let size = "16x16".parse().expect("a size");
     let effort = Effort { size, replicas: 24, per_pixel: Some(per_pixel), rounds: Some(8), seed: 1 };
-    let subject = Subject::load(&file, effort).expect("loaded");
+    let subject = Subject::load(&file, &SceneOptions::default(), effort).expect("loaded");
     let interrupt = Interrupt::default();
     let (replicas, _) = subject.replicas(&method.parse().expect("a method"), &interrupt).expect("rendered");
     let reference = subject.reference(&reference.parse().expect("a method"), &interrupt).expect("rendered");

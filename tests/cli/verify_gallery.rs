@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use mlt_cli::{
+    args::scene::SceneOptions,
     interrupt::Interrupt,
     verify::{
         evidence::Evidence,
@@ -17,8 +18,12 @@ const METHODS: [&str; 5] = ["auto", "mlt", "bdpt", "pt", "mmlt"];
 
 fn subject(file: &Path, seed: u64, factor: f64) -> Subject {
     let (size, (replicas, per_pixel, rounds)) = ("16x16".parse().expect("a size"), EFFORT);
-    Subject::load(file, Effort { size, replicas, per_pixel: Some(factor * per_pixel), rounds: Some(rounds), seed })
-        .expect("loaded")
+    Subject::load(
+        file,
+        &SceneOptions::default(),
+        Effort { size, replicas, per_pixel: Some(factor * per_pixel), rounds: Some(rounds), seed },
+    )
+    .expect("loaded")
 }
 
 fn verdicts(file: &Path) -> Vec<Verdict> {

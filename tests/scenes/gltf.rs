@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 use mlt_core::memory::Memory;
 use mlt_core::transport::bsdf::Bsdf;
 use mlt_core::transport::geometry::Mesh;
+use mlt_scene::LoadOptions;
 use serde_json::{Value, json};
 
 fn geometric_normal(mesh: &Mesh, triangle: usize) -> DVec3 {
@@ -406,6 +407,29 @@ fn a_link_out_of_the_folder_is_refused() {
 }
 
 #[test]
+fn a_scene_is_chosen_by_its_name() {
+    let document = Document::new()
+        .with("/scenes/0/name", "day".into())
+        .with("/scenes/-", json!({ "name": "night", "nodes": [2] }))
+        .with("/nodes/-", json!({ "name": "lamp", "mesh": 0 }));
+    let folder = tempfile::TempDir::new().unwrap();
+    document.write(folder.path());
+    let open = |name: &str| {
+        let options = LoadOptions { scene: Some(name.into()), ..LoadOptions::default() };
+        mlt_scene::open_within(folder.path().join("scene.gltf"), &options, &Memory::unlimited())
+    };
+    let mesh = |name: &str| open(name).unwrap().description.meshes[0].name.clone();
+    assert_eq!((mesh("day"), mesh("night")), ("thing".to_owned(), "lamp".to_owned()));
+    let error = open("nigth").unwrap_err().to_string();
+    assert!(
+        error.ends_with("there is no scene \"nigth\"; did you mean \"night\"? it has \"day\", \"night\""),
+        "{error}"
+    );
+    let options = LoadOptions { scene: Some("night".into()), ..LoadOptions::default() };
+    assert!(mlt_scene::open_within("cornell", &options, &Memory::unlimited()).is_err());
+}
+
+#[test]
 fn files_that_are_no_scenes_are_refused() {
     for (name, content, needle) in [
         ("scene.gltf", &b""[..], "does not parse as glTF"),
@@ -490,7 +514,9 @@ fn a_scene_takes_its_memory_from_the_budget_or_is_refused() {
         let folder = tempfile::TempDir::new().unwrap();
         document.write(folder.path());
         let error =
-            mlt_scene::open_within(folder.path().join("scene.gltf"), &Memory::of(bytes)).unwrap_err().to_string();
+            mlt_scene::open_within(folder.path().join("scene.gltf"), &LoadOptions::default(), &Memory::of(bytes))
+                .unwrap_err()
+                .to_string();
         crate::support::check_sentence(&error);
         error
     };
@@ -502,7 +528,7 @@ fn a_scene_takes_its_memory_from_the_budget_or_is_refused() {
     assert!(refusal(&small, size + 1).contains("the JSON of"));
     let folder = tempfile::TempDir::new().unwrap();
     small.write(folder.path());
-    mlt_scene::open_within(folder.path().join("scene.gltf"), &Memory::of(1 << 20)).unwrap();
+    mlt_scene::open_within(folder.path().join("scene.gltf"), &LoadOptions::default(), &Memory::of(1 << 20)).unwrap();
 }
 
 #[test]

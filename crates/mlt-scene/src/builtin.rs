@@ -1,7 +1,7 @@
 //! Scenes that are part of the program.
 
 use crate::{
-    Loaded, SceneError, gltf_file,
+    LoadOptions, Loaded, SceneError, gltf_file,
     source::{Embedded, Source},
 };
 use mlt_core::memory::Memory;
@@ -20,11 +20,16 @@ macro_rules! embed {
 
 /// The built-in scene of that name; `None`: there is no such scene.
 pub fn builtin(name: &str) -> Option<Result<Loaded, SceneError>> {
+    read(name, &LoadOptions::default())
+}
+
+/// The same as `options` say.
+pub(crate) fn read(name: &str, options: &LoadOptions) -> Option<Result<Loaded, SceneError>> {
     let files: Embedded = match name {
         "cornell" => embed!("cornell"),
         "ring" => embed!("ring"),
         "suzanne" => embed!("suzanne"),
         _ => return None,
     };
-    Some(gltf_file::load(&Source::embedded(files, &Memory::unlimited())))
+    Some(gltf_file::load(&Source::embedded(files, &Memory::unlimited()), options))
 }

@@ -17,6 +17,16 @@ pub enum SceneError {
         /// As the caller wrote it.
         name: String,
     },
+    /// No scene of the file has the name that was asked for.
+    #[error("{path}: there is no scene \"{name}\"; {hint}")]
+    NoScene {
+        /// The file.
+        path: PathBuf,
+        /// The name.
+        name: String,
+        /// The names that there are.
+        hint: String,
+    },
     /// The operating system refused.
     #[error("{path}: cannot be read ({cause}); check that it exists and may be read")]
     Read {

@@ -17,7 +17,9 @@ pub mod gallery;
 mod geometry;
 mod gltf_file;
 mod guard;
+mod names;
 mod obj_file;
+mod options;
 mod range;
 mod source;
 mod text;
@@ -31,6 +33,8 @@ use std::path::Path;
 pub use builtin::{BUILTIN, builtin};
 pub use camera::{bounds, camera_framing, camera_look_at};
 pub use error::SceneError;
+pub use names::instead_of;
+pub use options::LoadOptions;
 pub use text::{MOST_OF_A_MESSAGE, printable};
 
 /// A scene, and what could not be taken over from its file.
@@ -58,11 +62,11 @@ impl Loaded {
 
 /// Loads a `.gltf`, `.glb` or `.obj` file, of any size.
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
-    load_within(path, &Memory::unlimited())
+    load_within(path, &LoadOptions::default(), &Memory::unlimited())
 }
 
 /// Loads a `.gltf`, `.glb` or `.obj` file, and takes the memory that it needs here and in the renderer's scene.
-fn load_within(path: &Path, memory: &Memory) -> Result<Loaded, SceneError> {
+fn load_within(path: &Path, options: &LoadOptions, memory: &Memory) -> Result<Loaded, SceneError> {
     let source = Source::file(path, memory);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let parse = match extension.as_deref() {
@@ -70,7 +74,7 @@ fn load_within(path: &Path, memory: &Memory) -> Result<Loaded, SceneError> {
         Some("obj") => obj_file::load,
         _ => return Err(SceneError::UnknownFormat { path: path.to_owned() }),
     };
-    let parsed = guard::catch(|| parse(&source));
+    let parsed = guard::catch(|| parse(&source, options));
     let mut loaded = parsed.map_err(|reason| SceneError::Parser { path: path.to_owned(), reason })??;
     winding::follow_normals(&mut loaded.description, &mut loaded.warnings);
     loaded.make_printable();
@@ -79,18 +83,22 @@ fn load_within(path: &Path, memory: &Memory) -> Result<Loaded, SceneError> {
 
 /// Loads a file, or else the built-in scene of that name, of any size.
 pub fn open(name_or_path: impl AsRef<Path>) -> Result<Loaded, SceneError> {
-    open_within(name_or_path, &Memory::unlimited())
+    open_within(name_or_path, &LoadOptions::default(), &Memory::unlimited())
 }
 
-/// The same within a budget of memory, from which everything is taken that the scene will need, here and as a
+/// The same as `options` say and within a budget of memory, from which everything is taken that the scene will need, here and as a
 /// [`Scene`](mlt_core::transport::scene::Scene).
-pub fn open_within(name_or_path: impl AsRef<Path>, memory: &Memory) -> Result<Loaded, SceneError> {
+pub fn open_within(
+    name_or_path: impl AsRef<Path>,
+    options: &LoadOptions,
+    memory: &Memory,
+) -> Result<Loaded, SceneError> {
     let path = name_or_path.as_ref();
     let name = path.to_string_lossy();
     if path.is_file() || path.extension().is_some() {
-        return load_within(path, memory);
+        return load_within(path, options, memory);
     }
-    builtin(&name).unwrap_or_else(|| match path.exists() {
+    builtin::read(&name, options).unwrap_or_else(|| match path.exists() {
         true => Err(SceneError::NotAFile { path: path.to_owned() }),
         false => Err(SceneError::NotFound { name: name.into_owned() }),
     })

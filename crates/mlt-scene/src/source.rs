@@ -1,6 +1,6 @@
 //! The scene file and the files beside it; nothing outside of its folder is ever read.
 
-use crate::{SceneError, text::shown};
+use crate::{SceneError, names, text::shown};
 use mlt_core::memory::Memory;
 use std::{
     fs,
@@ -83,6 +83,11 @@ impl<'a> Source<'a> {
     /// The error that a reference leaves the scene's folder.
     pub fn outside(&self, uri: &str) -> SceneError {
         SceneError::Outside { path: self.path.clone(), uri: shown(uri) }
+    }
+
+    /// The error that no scene has this name, but some have these.
+    pub fn no_scene(&self, name: &str, known: &[&str]) -> SceneError {
+        SceneError::NoScene { path: self.path.clone(), name: shown(name), hint: names::instead_of(name, known) }
     }
 
     /// The error that geometry is compressed by an extension.

@@ -5,6 +5,7 @@ use std::{fmt, num::NonZeroUsize, path::PathBuf, time::Duration};
 use clap::{ArgGroup, Args};
 
 use super::{
+    scene::SceneOptions,
     values::{Size, duration, exposure, positive},
     variant::Variant,
 };
@@ -60,6 +61,9 @@ pub struct BenchOptions {
     #[arg(long, value_name = "METHOD", default_value = "bdpt")]
     pub reference_method: Variant,
 
+    /// How the scenes are read.
+    #[command(flatten)]
+    pub reading: SceneOptions,
     /// Size of the images in pixels; that of the reference file, or 256x256
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,

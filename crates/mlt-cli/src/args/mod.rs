@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 pub mod bench;
 pub mod perturbations;
 pub mod render;
+pub mod scene;
 pub mod transport;
 pub mod values;
 pub mod variant;

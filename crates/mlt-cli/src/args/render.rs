@@ -5,6 +5,7 @@ use std::{ffi::OsStr, num::NonZeroUsize, path::PathBuf, time::Duration};
 use clap::{ArgGroup, Args};
 use mlt_core::transport::render::Settings;
 
+use super::scene::SceneOptions;
 use super::transport::{Method, TransportOptions};
 use super::values::{duration, exposure, per_pixel, relative_error, threads};
 use super::view::ViewOptions;
@@ -87,6 +88,9 @@ pub struct RenderOptions {
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
 
+    /// How the scene is read.
+    #[command(flatten)]
+    pub reading: SceneOptions,
     /// Where the scene is seen from.
     #[command(flatten)]
     pub view: ViewOptions,

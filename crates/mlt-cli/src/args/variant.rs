@@ -4,10 +4,10 @@ use std::{ffi::OsString, fmt, path::Path, str::FromStr};
 
 use clap::{Args, FromArgMatches};
 
-use super::render::RenderOptions;
+use super::{render::RenderOptions, scene::SceneOptions};
 use crate::exit::one_sentence;
 
-/// Options that all runs of a study share, and that a method can therefore not have for itself.
+/// Options that all runs of a study share beside [`SceneOptions`], and that a method can therefore not have for itself.
 const SHARED: [&str; 15] = [
     "output",
     "max-length",
@@ -61,7 +61,7 @@ impl FromStr for Variant {
         let mut words = vec![format!("--method={}", parts.next().unwrap_or_default())];
         for (index, part) in parts.enumerate() {
             match part.split_once('=') {
-                Some((name, _)) if SHARED.contains(&name) => {
+                Some((name, _)) if SHARED.contains(&name) || SceneOptions::have(name) => {
                     return Err(format!("'{name}' is the same for all methods; give it as an option of 'mlt bench'"));
                 }
                 Some((name, value)) => words.push(format!("--{name}={value}")),
@@ -128,6 +128,7 @@ mod tests {
             ("mlt:rounds=0", "--rounds"),
             ("mlt:seed=4", "'seed' is the same for all methods"),
             ("mlt:output=a.exr", "'output' is the same"),
+            ("mlt:scene=night", "'scene' is the same"),
             ("mlt:json=1", "--json"),
         ] {
             let message = text.parse::<Variant>().map(|variant| variant.to_string()).expect_err(text);

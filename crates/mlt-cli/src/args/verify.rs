@@ -5,6 +5,7 @@ use std::{num::NonZeroUsize, path::PathBuf};
 use clap::Args;
 
 use super::{
+    scene::SceneOptions,
     values::{Size, per_pixel, relative_error, threads},
     variant::Variant,
 };
@@ -58,6 +59,9 @@ pub struct VerifyOptions {
     /// An error of the image that has to be found if it is there
     #[arg(long, value_name = "ERROR", value_parser = relative_error, default_value = "1%")]
     pub detect: f64,
+    /// How the scenes are read.
+    #[command(flatten)]
+    pub reading: SceneOptions,
     /// Size of the images in pixels
     #[arg(long, value_name = "WxH", default_value = "64x64")]
     pub size: Size,

@@ -48,7 +48,8 @@ impl Subject {
         let from_image = |image: &Image| Size { width: image.width, height: image.height };
         let usual = Size { width: USUAL_SIDE, height: USUAL_SIDE };
         let size = options.size.or(reference.map(from_image)).unwrap_or(usual);
-        let mut words = vec![format!("--size={size}")];
+        let mut words = options.reading.words()?;
+        words.push(format!("--size={size}"));
         words.extend(options.max_length.map(|edges| format!("--max-length={edges}")));
         let setup = Setup::new(&options.reference_method.render_options(scene, &words).map_err(run_failure)?)?;
         Ok(Self { name: scene.display().to_string(), setup, words })

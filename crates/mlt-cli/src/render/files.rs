@@ -65,6 +65,7 @@ fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> anyho
             Plan::budget_option(report.method, per_pixel, report.rounds),
             format!("--rounds={} --first-round={}", report.rounds, report.first_round),
         ],
+        command_line(&written(&options.reading)?),
         command_line(&view),
     ];
     let of_render = [

@@ -4,7 +4,7 @@ use anyhow::{Context, anyhow};
 use glam::DVec3;
 use mlt_core::memory::Memory;
 use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, SurfaceName, UnusableScene};
-use mlt_scene::{Loaded, printable};
+use mlt_scene::Loaded;
 
 use crate::{Failure, args::render::RenderOptions, memory, take_memory, warn_all};
 
@@ -36,7 +36,7 @@ impl Setup {
     /// The same of a scene that is changed once it is loaded.
     pub fn edited(options: &RenderOptions, edit: impl FnOnce(&mut SceneDescription)) -> Result<Self, Failure> {
         let memory = memory();
-        let loaded = mlt_scene::open_within(&options.scene, &memory);
+        let loaded = mlt_scene::open_within(&options.scene, &options.reading.load_options(), &memory);
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;
         edit(&mut loaded.description);
         let mut warnings = std::mem::take(&mut loaded.warnings);
@@ -107,9 +107,8 @@ fn pose(options: &RenderOptions, scene: &SceneDescription) -> Result<CameraPose,
     }
     let pose = match &options.view.camera {
         Some(name) => scene.cameras.iter().find(|camera| camera.name == *name).cloned().ok_or_else(|| {
-            let names: Vec<_> =
-                scene.cameras.iter().map(|camera| format!("\"{}\"", printable(&camera.name, 60))).collect();
-            let there = if names.is_empty() { "it has none".into() } else { format!("it has {}", names.join(", ")) };
+            let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+            let there = mlt_scene::instead_of(name, &names);
             Failure::Usage(anyhow!("{}: there is no camera \"{name}\"; {there}", options.scene.display()))
         })?,
         None => match scene.cameras.first() {

@@ -198,7 +198,8 @@ impl<'a> Study<'a> {
             Some(scene) => scene.write(folder).with_context(|| format!("{}: cannot be written", folder.display()))?,
             None => scene.to_owned(),
         };
-        let setup = Setup::new(&render_options(&Variant::default(), &file, &[format!("--size={}", options.size)])?)?;
+        let words = [options.reading.words()?, vec![format!("--size={}", options.size)]].concat();
+        let setup = Setup::new(&render_options(&Variant::default(), &file, &words)?)?;
         Ok(Self { name, file, setup, options, interrupt })
     }
 

@@ -87,7 +87,7 @@ fn of_scene(court: &Court, scene: &Scene, path: &Path, folder: &Path) -> Result<
         folder.join("verdicts").join(name + ".json")
     };
     let content = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    let identity = |method: &Variant| format!("{} {method} {:016x}", court.identity(), fingerprint(&content));
+    let identity = |method: &Variant| format!("{} {method} {:016x}", court.identity, fingerprint(&content));
     let kept = |method: &Variant| -> Option<Verdict> {
         let kept: Kept = serde_json::from_slice(&fs::read(file(method)).ok()?).ok()?;
         (kept.identity == identity(method)).then_some(kept.verdict)
@@ -138,7 +138,7 @@ pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
         "# Where methods fail\n\n{}\nWritten by `mlt verify --gallery -o FOLDER` (FOLDER/stability.md); [verify.md](verify.md) says what \
          it tests, and [gallery.md](gallery.md) shows the scenes.\nFor each scene and method: {}.\n\n",
         in_short(verdicts),
-        court.identity()
+        court.identity
     );
     let methods: Vec<String> = court.methods.iter().map(Variant::to_string).collect();
     page += "## Verdicts\n\n";

@@ -20,7 +20,7 @@ use anyhow::Context;
 
 use crate::{
     Failure,
-    args::{variant::Variant, verify::VerifyOptions},
+    args::{scene::SceneOptions, variant::Variant, verify::VerifyOptions},
     interrupt::Interrupt,
     print,
 };
@@ -58,7 +58,10 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
 pub struct Court {
     methods: Vec<Variant>,
     against: Variant,
+    reading: SceneOptions,
     effort: Effort,
+    /// Everything besides scene and method that decides a verdict, in words.
+    identity: String,
     detect: f64,
     silent: bool,
     interrupt: Interrupt,
@@ -77,19 +80,18 @@ impl Court {
             (given, _) => given.to_vec(),
         };
         let VerifyOptions { size, replicas, per_pixel, rounds, seed, .. } = *options;
+        let effort = Effort { size, replicas, per_pixel, rounds, seed };
+        let facts = vec![effort.identity(), format!("compared with {}", options.against)];
         Ok(Self {
             methods,
             against: options.against.clone(),
-            effort: Effort { size, replicas, per_pixel, rounds, seed },
+            reading: options.reading.clone(),
+            effort,
+            identity: [facts, options.reading.words()?].concat().join(", "),
             detect: options.detect,
             silent: options.quiet || options.json,
             interrupt: Interrupt::install()?,
         })
-    }
-
-    /// Everything besides scene and method that decides a verdict, in words.
-    fn identity(&self) -> String {
-        format!("{}, compared with {}", self.effort.identity(), self.against)
     }
 
     /// Judges each method on a scene, but for those whose verdicts were kept.
@@ -98,7 +100,7 @@ impl Court {
         if found.iter().all(Option::is_some) {
             return Ok(found.into_iter().flatten().collect());
         }
-        let subject = Subject::load(scene, self.effort)?;
+        let subject = Subject::load(scene, &self.reading, self.effort)?;
         let mut references: Vec<(Variant, Reference)> = Vec::new();
         let mut verdicts = Vec::new();
         for (method, found) in self.methods.iter().zip(found) {

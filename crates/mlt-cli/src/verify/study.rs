@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     Failure,
-    args::{render::RenderOptions, transport::Method, values::Size, variant::Variant},
+    args::{render::RenderOptions, scene::SceneOptions, transport::Method, values::Size, variant::Variant},
     bench::statistics::mean_of,
     interrupt::Interrupt,
     render::{self, Plan, Setup},
@@ -84,8 +84,9 @@ pub struct Subject {
 
 impl Subject {
     /// Loads the scene.
-    pub fn load(scene: &Path, effort: Effort) -> Result<Self, Failure> {
-        let options = options(&"pt".parse().map_err(run_failure)?, scene, &[format!("--size={}", effort.size)])?;
+    pub fn load(scene: &Path, reading: &SceneOptions, effort: Effort) -> Result<Self, Failure> {
+        let words = [reading.words()?, vec![format!("--size={}", effort.size)]].concat();
+        let options = options(&"pt".parse().map_err(run_failure)?, scene, &words)?;
         let mut emitters = Vec::new();
         let setup = Setup::edited(&options, |description| emitters = emitting_materials(description))?;
         let count = emitters.len().min(MOST_GROUPS);

@@ -3,7 +3,7 @@
 use super::CHECK;
 use crate::{SceneError, source::Source, text::shown};
 use glam::{DMat4, DQuat, DVec3};
-use gltf::{Document, Node, scene::Transform};
+use gltf::{Document, Node, Scene, scene::Transform};
 
 /// A node and its transform to world space.
 pub(super) type Placed<'a> = (Node<'a>, DMat4);
@@ -20,14 +20,23 @@ impl<'a> Graph<'a> {
         Self { document, reached: vec![false; document.nodes().len()] }
     }
 
-    /// The nodes of the scene to show, in the file's order.
+    /// The nodes of the scene of this name, or of the default one, in the file's order.
     ///
     /// A node that is reached twice makes the graph no tree, which also finds every cycle.
-    pub fn shown(&mut self, source: &Source) -> Result<Vec<Placed<'a>>, SceneError> {
-        let scene = self.document.default_scene().or_else(|| self.document.scenes().next());
+    pub fn shown(&mut self, source: &Source, name: Option<&str>) -> Result<Vec<Placed<'a>>, SceneError> {
+        let scene = match name {
+            Some(name) => Some(self.scene(source, name)?),
+            None => self.document.default_scene().or_else(|| self.document.scenes().next()),
+        };
         let roots = scene.map_or_else(|| self.roots(), |scene| scene.nodes().collect());
         let reason = "the node has two parents or is its own ancestor";
         self.flatten(roots).map_err(|node| source.invalid(place(&node), reason, CHECK))
+    }
+
+    fn scene(&self, source: &Source, name: &str) -> Result<Scene<'a>, SceneError> {
+        let found = self.document.scenes().find(|scene| scene.name() == Some(name));
+        let names = || self.document.scenes().filter_map(|scene| scene.name()).collect::<Vec<_>>();
+        found.ok_or_else(|| source.no_scene(name, &names()))
     }
 
     /// The nodes outside of it; empty where they are no trees.

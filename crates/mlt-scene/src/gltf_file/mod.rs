@@ -12,7 +12,7 @@ mod parse;
 mod primitive;
 mod unsupported;
 
-use crate::{Loaded, SceneError, geometry::GeometrySize, source::Source};
+use crate::{LoadOptions, Loaded, SceneError, geometry::GeometrySize, source::Source};
 use accessor::Reader;
 use buffer::Buffers;
 use graph::{Graph, Placed};
@@ -24,11 +24,11 @@ use std::collections::BTreeSet;
 /// The remedy for a file that contradicts itself.
 const CHECK: &str = "export the scene again or check it with a glTF validator";
 
-/// Loads the scene that the file shows by default.
-pub(crate) fn load(source: &Source) -> Result<Loaded, SceneError> {
+/// Loads the scene that is asked for, or that the file shows by default.
+pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, SceneError> {
     let parsed = parse::parse(source)?;
     let mut graph = Graph::new(&parsed.document);
-    let nodes = graph.shown(source)?;
+    let nodes = graph.shown(source, options.scene.as_deref())?;
     let mut warnings = unsupported::in_document(&parsed.document);
     let cameras = camera::poses(&nodes, &graph.others(), &mut warnings);
     let description = SceneDescription { cameras, ..surfaces(source, &parsed, &nodes, &mut warnings)? };

@@ -6,7 +6,7 @@ mod polygon;
 mod text;
 
 use crate::{
-    Loaded, SceneError,
+    LoadOptions, Loaded, SceneError,
     geometry::{GeometrySize, RawMesh},
     source::Source,
     text::shown,
@@ -25,8 +25,11 @@ const MTLLIB: &[u8] = b"mtllib all\n";
 /// Memory that the parser needs for each byte of a text: 6 to 9 were measured.
 const BYTES_PER_BYTE: u64 = 8;
 
-/// Loads every object of the file; OBJ has no cameras.
-pub(crate) fn load(source: &Source) -> Result<Loaded, SceneError> {
+/// Loads every object of the file; OBJ has no cameras, and one scene.
+pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, SceneError> {
+    if let Some(name) = &options.scene {
+        return Err(source.no_scene(name, &[]));
+    }
     let bytes = source.read()?;
     source.take(bytes.len() as u64 * BYTES_PER_BYTE, "the text")?;
     let reduced = Reduced::new(&text::decode(bytes));

@@ -1,0 +1,8 @@
+//! How a scene is read.
+
+/// Choices that a file leaves open, or that its user makes otherwise.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadOptions {
+    /// Scene of a glTF file to show, by its name; `None`: the file's default one.
+    pub scene: Option<String>,
+}
