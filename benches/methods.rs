@@ -8,7 +8,7 @@ use mlt_core::transport::lights::{LightStrata, Stratification};
 use mlt_core::transport::methods::MOST_EDGES;
 use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
 use mlt_core::transport::paths::{LightPath, Luminance};
-use mlt_core::transport::render::{Counts, Method, Renderer};
+use mlt_core::transport::render::{Method, Renderer};
 use mlt_core::transport::scene::rays_traced;
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -31,16 +31,15 @@ fn rounds(criterion: &mut Criterion) {
         {
             let settings = loaded.settings(method, per_pixel).with(|s| s.max_edges = Some(EDGES));
             let renderer = Renderer::new(loaded.view(), settings);
-            let mut film = renderer.film();
+            let mut sums = renderer.sums();
             group.throughput(Throughput::Elements((per_pixel * f64::from(SIZE[0] * SIZE[1])) as u64));
             let mut round = 0;
             group.bench_function(label, |bencher| {
                 bencher.iter(|| {
-                    let mut counts = Counts::default();
                     let end = &mut |_, _: &_| ControlFlow::Continue(());
-                    one.install(|| renderer.render(round..round + 1, &mut film, &mut counts, end));
+                    one.install(|| renderer.render(round..round + 1, &mut sums, end));
                     round += 1;
-                    black_box(counts.rays)
+                    black_box(sums.tally().rays())
                 });
             });
         }

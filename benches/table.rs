@@ -83,9 +83,9 @@ fn methods() {
     });
     let render = |k: usize| {
         let renderer = &renderers[k];
-        let (mut film, mut counts) = (renderer.film(), Counts::default());
-        renderer.render(0..METHODS[k].3, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
-        counts
+        let mut sums = renderer.sums();
+        renderer.render(0..METHODS[k].3, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        sums.into_parts().1
     };
     let stage = Stage::all()[0]();
     let accel = Accel::new(&stage.triangles);
@@ -105,7 +105,7 @@ fn methods() {
     println!("|---|---|---|---|---|---|---|");
     for (k, (label, ..)) in METHODS.iter().enumerate() {
         let (one, two, counts) = (&times[1 + 2 * k], &times[2 + 2 * k], &counts[k]);
-        let (work, rays) = ((counts.samples + counts.steps()) as f64, counts.rays as f64);
+        let (work, rays) = ((counts.samples() + counts.steps()) as f64, counts.rays() as f64);
         let over_bare = median_ratio(&times[0], one, |time| time.cpu) / bare;
         let scaling = median_ratio(one, two, |time| time.wall);
         let got = median(two.iter().map(|time| time.cpu / time.wall));

@@ -4,8 +4,8 @@
 //! small deliberate error must fail.
 
 use mlt_core::engine::{
-    Deposits, Estimator, Film, Metropolis, Mixture, Mutation, Path, Purpose, Share, Sink, Splat, Stratum, StratumStats,
-    Tally, generator, render, uniform,
+    Accumulated, Deposits, Estimator, Film, Metropolis, Mixture, Mutation, Path, Purpose, Share, Sink, Splat, Stratum,
+    StratumStats, Tally, generator, render, uniform,
 };
 use mlt_core::rand_core::Rng;
 use std::ops::{ControlFlow, Range};
@@ -150,9 +150,9 @@ impl Problem {
     ) -> (Film<1>, Tally) {
         let mixture = Mixture::new(self.moves.clone());
         let metropolis = Metropolis::new(&self.strata, &mixture, importance, seed).unwrap();
-        let (mut film, mut tally) = (Film::new(BINS + 1, 1.0), Tally::default());
-        render(&metropolis, rounds, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
-        (film, tally)
+        let mut sums = Accumulated::new(Film::new(BINS + 1, 1.0));
+        render(&metropolis, rounds, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        sums.into_parts()
     }
 
     /// Largest |z| of any bin or the total, from `replicas` renders of one round with seeds of their own.
@@ -263,8 +263,9 @@ fn one_stratum_is_no_strata_bit_for_bit() {
     // Where f is 0 outside [0, 1), Ω_1 = [0, 1) and the whole line are the same.
     let importance = |x: &Point| if (0.0..1.0).contains(&x.0) { f(x.0) } else { 0.0 };
     let metropolis = Metropolis::new(&everything, &mixture, &importance, 3).unwrap();
-    let (mut none, mut tally) = (Film::new(BINS + 1, 1.0), Tally::default());
-    render(&metropolis, 0..5, &mut none, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+    let mut sums = Accumulated::new(Film::new(BINS + 1, 1.0));
+    render(&metropolis, 0..5, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    let (none, tally) = sums.into_parts();
     assert_eq!(bits(&one), bits(&none));
     assert_eq!(one_tally.strata[0].weight_sum, tally.strata[0].weight_sum);
     assert_ne!(bits(&one), bits(&problem.run(4, 0..5).0), "another seed gives another film");
@@ -330,7 +331,8 @@ struct Uneven {
 
 impl Estimator<2> for Uneven {
     type Prepared = u64;
-    type Tally = ();
+    type Task = ();
+    type Tally = u64;
 
     fn prepare(&self, round: u64) -> u64 {
         round
@@ -357,7 +359,9 @@ impl Estimator<2> for Uneven {
         [1, 5, 20, 50][round as usize % 4]
     }
 
-    fn tally(&self, _: &mut (), _: &u64, _: Vec<()>) {}
+    fn tally(&self, rounds: &mut u64, _: &u64, _: Vec<()>) {
+        *rounds += 1;
+    }
 }
 
 #[test]
@@ -365,8 +369,10 @@ fn weighted_rounds_have_honest_errors_in_every_channel() {
     let (mut inside, mut all) = ([0.0; 2], 0.0);
     let mut chi_square = [0.0; 2];
     for seed in 0..40 {
-        let mut film = Film::<2>::new(64, 1.0);
-        render(&Uneven { seed, sites: 64 }, 0..60, &mut film, &mut (), &mut |_, _, _| ControlFlow::Continue(()));
+        let mut sums = Accumulated::new(Film::<2>::new(64, 1.0));
+        render(&Uneven { seed, sites: 64 }, 0..60, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        let (film, rounds) = sums.into_parts();
+        assert_eq!(rounds, 60);
         for site in 0..64 {
             let pixels = film.pixel(site);
             all += 1.0;

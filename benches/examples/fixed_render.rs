@@ -3,7 +3,7 @@
 //! `fixed_render METHOD`, METHOD one of pt, bdpt, mlt, mmlt, pssmlt; `fixed_render none` stops before the render.
 
 use mlt_benches::Loaded;
-use mlt_core::transport::render::{Counts, Method, Renderer};
+use mlt_core::transport::render::{Method, Renderer};
 use std::ops::ControlFlow;
 
 fn main() {
@@ -19,10 +19,9 @@ fn main() {
     let loaded = Loaded::builtin("cornell", [64, 64]);
     let settings = loaded.settings(method, per_pixel).with(|s| s.max_edges = Some(6));
     let renderer = Renderer::new(loaded.view(), settings);
-    let mut film = renderer.film();
-    let mut counts = Counts::default();
+    let mut sums = renderer.sums();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let rounds = if per_pixel > 0.0 { 0..4 } else { 0..0 };
-    one.install(|| renderer.render(rounds, &mut film, &mut counts, &mut |_, _: &_| ControlFlow::Continue(())));
-    println!("{name}: {} rays", counts.rays);
+    one.install(|| renderer.render(rounds, &mut sums, &mut |_, _: &_| ControlFlow::Continue(())));
+    println!("{name}: {} rays", sums.tally().rays());
 }

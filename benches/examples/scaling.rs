@@ -13,9 +13,8 @@ use mlt_core::transport::lights::{LightRegion, LightStrata, Stratification};
 use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
 use mlt_core::transport::methods::{AllPaths, Independent, MOST_EDGES, PathTracer};
 use mlt_core::transport::paths::Luminance;
-use mlt_core::transport::render::film_unit;
+use mlt_core::transport::render::film_of;
 use mlt_core::transport::scene::rays_traced;
-use std::hint::black_box;
 use std::time::Instant;
 
 const THREADS: [usize; 9] = [1, 2, 4, 8, 16, 32, 64, 96, 128];
@@ -62,12 +61,7 @@ fn measure<E: Estimator<3>>(estimator: &E, film: &mut Film<3>, blocks: usize) ->
             tasks.push(seconds);
             add += timed(|| film.add(&deposits)).1;
         }
-        let ((), close) = timed(|| {
-            film.close_round(number, estimator.weight(number));
-            for site in 0..film.sites() as usize {
-                black_box(film.mean(site));
-            }
-        });
+        let ((), close) = timed(|| film.close_round(number, estimator.weight(number)));
         let ((), tally) = timed(|| estimator.tally(&mut total, &prepared, tallies));
         let samples = vec![samples / blocks as f64; blocks];
         Round { samples, add: add / tasks.len() as f64, tasks, close, tally }
@@ -138,7 +132,7 @@ fn chains(name: &str, stratification: Stratification, per_pixel: f64) {
     let mixture = Mixture::new(PathMutation::all(view));
     let strata = with_shares(strata, &shares).expect("a share for each");
     let estimator = Metropolis::new(&strata, &mixture, &Luminance, 1).expect("sound").counting(rays_traced);
-    let mut film = Film::new(view.camera.pixels(), film_unit(view));
+    let mut film = film_of(view);
     let blocks = shares.iter().map(|share| share.samples.div_ceil(256) as usize).sum();
     let rounds = measure(&estimator, &mut film, blocks);
     print(&format!("mlt, {name}, strata: {}", strata.len()), &rounds, Estimator::<3>::task_deposits(&estimator));
@@ -151,7 +145,7 @@ fn paths(name: &str, samples_per_pixel: f64) {
     let light_sampler = region.light_sampler();
     let tracer = PathTracer { view, light_sampler, max_edges: MOST_EDGES, max_image_edges: MOST_EDGES, branches: 1 };
     let estimator = Independent { sampler: &tracer, selection: AllPaths, samples_per_pixel, seed: 1 };
-    let mut film = Film::new(view.camera.pixels(), film_unit(view));
+    let mut film = film_of(view);
     let rounds = measure(&estimator, &mut film, 1);
     print(&format!("pt, {name}"), &rounds, Estimator::<3>::task_deposits(&estimator));
 }

@@ -2,8 +2,9 @@
 
 use std::{f64::consts::PI, path::Path};
 
+use mlt_core::transport::LUMINANCE;
 use mlt_core::transport::image::luminance_and_error;
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::render::{Method, Renderer, Settings};
 use mlt_core::transport::scene::{CameraPose, Scene, View};
 use std::ops::ControlFlow;
 
@@ -13,10 +14,9 @@ const IOR: f64 = 1.33;
 /// Opening angle of a camera that sees the floor alone.
 const FOV: f64 = 0.2;
 const AREA: f64 = 0.01;
-/// The lamp's radiance, the floor's reflectance, and the luminance of each channel.
+/// The lamp's radiance and the floor's reflectance.
 const COLOUR: [f64; 3] = [600.0, 560.0, 480.0];
 const REFLECTANCE: [f64; 3] = [0.25, 0.35, 0.55];
-const WEIGHTS: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Share of unpolarised light that goes from air into water, or back along the same way.
 fn transmitted(sin: f64) -> f64 {
@@ -54,7 +54,7 @@ fn irradiance(r: f64) -> f64 {
 
 /// Luminance of the floor seen from above: ρ E/π, less what is reflected at the surface, over n² for the spreading cone.
 fn floor(r: f64, eye_sine: f64) -> f64 {
-    let reflected: f64 = (0..3).map(|c| WEIGHTS[c] * COLOUR[c] * REFLECTANCE[c]).sum();
+    let reflected: f64 = (0..3).map(|c| LUMINANCE[c] * COLOUR[c] * REFLECTANCE[c]).sum();
     reflected * AREA * irradiance(r) / PI * transmitted(eye_sine) / (IOR * IOR)
 }
 
@@ -89,12 +89,12 @@ fn path_tracing_finds_the_light_in_the_pool() {
     let camera = scene.camera(&pose, [1, ROWS as u32]);
     let settings = Settings::new(Method::Path, 65_536.0).with(|s| (s.max_edges, s.seed) = (Some(4), 5));
     let renderer = Renderer::new(View { scene: &scene, camera: &camera }, settings);
-    let mut film = renderer.film();
-    renderer.render(0..16, &mut film, &mut Counts::default(), &mut |_, _| ControlFlow::Continue(()));
+    let mut sums = renderer.sums();
+    renderer.render(0..16, &mut sums, &mut |_, _| ControlFlow::Continue(()));
 
     let (mut sum, mut variance, mut truth) = (0.0, 0.0, 0.0);
     for row in 0..ROWS {
-        let (mean, error) = luminance_and_error(&film, row);
+        let (mean, error) = luminance_and_error(sums.film(), row);
         let expected = expected_row(row, ROWS).expect("the floor");
         println!("row {row}: {mean:.4} ± {error:.4}, analytic {expected:.4}");
         assert!((mean - expected).abs() < 5.0 * error.max(0.1 * expected), "row {row}");

@@ -6,7 +6,7 @@ use mlt_core::transport::Rgb;
 use mlt_core::transport::bsdf::{Bsdf, Lambert, MetallicRoughness};
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
-use mlt_core::transport::render::{Counts, Method, Renderer};
+use mlt_core::transport::render::{Method, Renderer};
 use mlt_core::transport::scene::{CameraPose, SceneDescription, View};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
@@ -203,9 +203,9 @@ fn a_dark_stratum_takes_nothing_away() {
     let camera = world.camera(SIZE);
     let view = View { scene: &world.scene, camera: &camera };
     let renderer = Renderer::new(view, settings(Method::Metropolis, Grid(2, 2), 1000.0));
-    let (mut film, mut counts) = (renderer.film(), Counts::default());
-    renderer.render(0..2, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
-    for (j, stratum) in counts.chains.strata.iter().enumerate() {
+    let mut sums = renderer.sums();
+    renderer.render(0..2, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    for (j, stratum) in sums.tally().chains().strata.iter().enumerate() {
         assert_eq!(stratum.b() == 0.0, j >= 4, "stratum {j}");
         assert_eq!(stratum.dark_rounds, if j >= 4 { 2 } else { 0 });
     }

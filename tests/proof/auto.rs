@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use glam::DVec3;
-use mlt_core::engine::{Film, Outcome, Pixel, Share};
+use mlt_core::engine::{Outcome, Pixel, Share};
 use mlt_core::transport::Rgb;
 use mlt_core::transport::bsdf::{Bsdf, Lambert, Mirror};
 use mlt_core::transport::geometry::Mesh;
@@ -11,7 +11,7 @@ use mlt_core::transport::lights::Stratification::{Count, None as Whole};
 use mlt_core::transport::lights::{LightStrata, Stratification};
 use mlt_core::transport::methods::auto::{Plan, Sampler};
 use mlt_core::transport::paths::{Kind, Kinds};
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::render::{Method, Renderer, Settings, Sums};
 use mlt_core::transport::scene::{SceneDescription, View};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -48,9 +48,9 @@ fn shared_out(world: &World, sampler: Sampler, chained: [Kinds; 2]) -> Replicas 
         let shares = shares.map(|_| Share { mutations: 200_000, samples: 50_000 }).collect();
         let plan = Plan::new(strata, (sampler, 512.0), chained.to_vec(), shares);
         let renderer = Renderer::with_plan(view, settings(Method::Auto, Whole, 1.0), plan);
-        let mut film = renderer.film();
-        let go_on = &mut |_, _: &Film<3>| ControlFlow::Continue(());
-        renderer.render(round..round + 1, &mut film, &mut Counts::default(), go_on);
+        let mut sums = renderer.sums();
+        renderer.render(round..round + 1, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        let film = sums.film();
         (0..film.sites() as usize).flat_map(|i| film.pixel(i).map(|c| c.mean)).collect()
     };
     Replicas { images: (0..16).into_par_iter().map(one).collect() }
@@ -88,10 +88,11 @@ fn means_of_mixtures(world: &World) -> Vec<(f64, f64, f64)> {
         let plan = Plan::new(strata, (Sampler::Path { branches: 1 }, 256.0), vec![Kinds::SEEN.others()], shares);
         let settings = settings(Method::Auto, Whole, 1.0).with(|s| s.seed = seed);
         let renderer = Renderer::with_plan(view, settings, plan);
-        let mut film = renderer.film();
-        renderer.render(0..16, &mut film, &mut Counts::default(), &mut |_, _: &Film<3>| ControlFlow::Continue(()));
-        let own: f64 = (0..film.sites() as usize).map(|i| luminance_and_error(&film, i).1.powi(2)).sum();
-        let Pixel { mean, stderr } = mean_luminance(&film);
+        let mut sums = renderer.sums();
+        renderer.render(0..16, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        let film = sums.film();
+        let own: f64 = (0..film.sites() as usize).map(|i| luminance_and_error(film, i).1.powi(2)).sum();
+        let Pixel { mean, stderr } = mean_luminance(film);
         (mean, stderr, own.sqrt() / f64::from(film.sites()))
     };
     (0..96).into_par_iter().map(of_seed).collect()
@@ -164,12 +165,13 @@ fn threads_and_split_rounds_change_no_bit() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());
-            let (mut film, mut counts) = (renderer.film(), Counts::default());
+            let mut sums = renderer.sums();
             for rounds in rounds {
-                let go_on = &mut |_, _: &Film<3>| ControlFlow::Continue(());
-                assert_eq!(renderer.render(rounds.clone(), &mut film, &mut counts, go_on), Outcome::Complete);
+                let go_on = &mut |_, _: &Sums| ControlFlow::Continue(());
+                assert_eq!(renderer.render(rounds.clone(), &mut sums, go_on), Outcome::Complete);
             }
-            assert!(counts.samples > 0 && counts.steps() > 0);
+            let (film, counts) = sums.into_parts();
+            assert!(counts.samples() > 0 && counts.steps() > 0);
             let of = |p: Pixel| [p.mean.to_bits(), p.stderr.to_bits()];
             ((0..film.sites() as usize).flat_map(|i| film.pixel(i)).flat_map(of).collect::<Vec<_>>(), counts)
         })

@@ -14,12 +14,11 @@ const SIZE: [u32; 2] = [48, 40];
 fn render(world: &World, settings: &Settings, threads: usize, rounds: Range<u64>) -> (Film<3>, Counts) {
     let camera = world.camera(SIZE);
     let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());
-    let (mut film, mut counts) = (renderer.film(), Counts::default());
+    let mut sums = renderer.sums();
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let outcome =
-        pool.install(|| renderer.render(rounds, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(())));
+    let outcome = pool.install(|| renderer.render(rounds, &mut sums, &mut |_, _| ControlFlow::Continue(())));
     assert_eq!(outcome, Outcome::Complete);
-    (film, counts)
+    sums.into_parts()
 }
 
 /// All means and standard errors, bit by bit.

@@ -8,7 +8,7 @@ use mlt_core::engine::Film;
 use mlt_core::transport::bsdf::{Bsdf, Lambert, Mirror};
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::image::luminance_and_error;
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::render::{Method, Renderer, Settings};
 use mlt_core::transport::scene::{Camera, CameraPose, Material, Scene, SceneDescription, View};
 use std::ops::ControlFlow;
 
@@ -89,9 +89,9 @@ fn estimate(view: View, method: Method, max_edges: usize, per_pixel: f64, seed: 
     let settings = Settings::new(method, per_pixel).with(|s| (s.max_edges, s.seed) = (Some(max_edges), seed));
     let renderer = Renderer::new(view, settings);
     let round = |r: u64| {
-        let mut film = renderer.film();
-        renderer.render(r..r + 1, &mut film, &mut Counts::default(), &mut |_, _| ControlFlow::Continue(()));
-        mean(&film)
+        let mut sums = renderer.sums();
+        renderer.render(r..r + 1, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        mean(sums.film())
     };
     let rounds: Vec<f64> = (0..ROUNDS).map(round).collect();
     let n = ROUNDS as f64;

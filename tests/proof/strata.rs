@@ -36,8 +36,9 @@ impl Stage {
 
     fn render(&self, settings: &Settings, rounds: u64) -> (Vec<f64>, Counts) {
         let renderer = Renderer::new(View { scene: &self.scene, camera: &self.camera }, settings.clone());
-        let (mut film, mut counts) = (renderer.film(), Counts::default());
-        renderer.render(0..rounds, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
+        let mut sums = renderer.sums();
+        renderer.render(0..rounds, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        let (film, counts) = sums.into_parts();
         ((0..film.sites() as usize).map(|i| luminance_and_error(&film, i).0).collect(), counts)
     }
 
@@ -148,7 +149,7 @@ fn a_dark_stratum_costs_almost_nothing() {
     let cut = Stratification::Count(2);
     let settings = Settings::new(Method::Metropolis, 64.0).with(|s| (s.stratification, s.adaptation) = (cut, ADAPTIVE));
     let counts = stage.render(&settings, 4).1;
-    let (dark, lit): (Vec<_>, Vec<_>) = counts.chains.strata.iter().partition(|s| s.b() == 0.0);
+    let (dark, lit): (Vec<_>, Vec<_>) = counts.chains().strata.iter().partition(|s| s.b() == 0.0);
     let work = |s: &mlt_core::engine::StratumStats| s.chain_work + s.sample_work;
     assert_eq!((dark.len(), lit.len(), dark[0].steps(), dark[0].dark_rounds), (1, 1, 0, 4));
     assert!(dark[0].samples > 0, "it is still looked at");

@@ -1,7 +1,7 @@
 //! Scenes, replicas and comparisons for the statistical tests.
 
 use glam::{DVec3, Vec3};
-use mlt_core::engine::{Estimator, Film, Metropolis, Mixture, Share, render};
+use mlt_core::engine::{Accumulated, Estimator, Film, Metropolis, Mixture, Share, render};
 use mlt_core::transport::Rgb;
 use mlt_core::transport::bsdf::Bsdf;
 use mlt_core::transport::geometry::Mesh;
@@ -9,7 +9,7 @@ use mlt_core::transport::lights::{LightStrata, Stratification};
 use mlt_core::transport::methods::MOST_EDGES;
 use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
 use mlt_core::transport::paths::Luminance;
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings, film_unit};
+use mlt_core::transport::render::{Method, Renderer, Settings, film_unit};
 use mlt_core::transport::scene::{Camera, CameraPose, Material, Scene, SceneDescription, View, rays_traced};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -80,12 +80,11 @@ pub fn settings(method: Method, stratification: Stratification, per_pixel: f64) 
 pub fn replicas(world: &World, size: [u32; 2], settings: &Settings, rounds: Range<u64>) -> Replicas {
     let camera = world.camera(size);
     let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());
-    let black = renderer.film();
+    let black = renderer.sums();
     let one = |round| {
-        let mut film = black.clone();
-        let go_on = &mut |_, _: &Film<3>| ControlFlow::Continue(());
-        renderer.render(round..round + 1, &mut film, &mut Counts::default(), go_on);
-        image(&film)
+        let mut sums = black.clone();
+        renderer.render(round..round + 1, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        image(sums.film())
     };
     Replicas { images: rounds.into_par_iter().map(one).collect() }
 }
@@ -93,11 +92,9 @@ pub fn replicas(world: &World, size: [u32; 2], settings: &Settings, rounds: Rang
 /// Every round of an estimator is a replica.
 pub fn replicas_of<E: Estimator<3>>(estimator: &E, pixels: u32, unit: f64, rounds: Range<u64>) -> Replicas {
     let one = |round| {
-        let mut film = Film::new(pixels, unit);
-        render(estimator, round..round + 1, &mut film, &mut E::Tally::default(), &mut |_, _, _| {
-            ControlFlow::Continue(())
-        });
-        image(&film)
+        let mut sums = Accumulated::new(Film::new(pixels, unit));
+        render(estimator, round..round + 1, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        image(sums.film())
     };
     Replicas { images: rounds.into_par_iter().map(one).collect() }
 }

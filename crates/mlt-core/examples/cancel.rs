@@ -3,7 +3,8 @@
 //!     cargo run --release -p mlt-core --no-default-features --example cancel
 
 use mlt_core::engine::{
-    Film, Metropolis, Mixture, Mutation, Outcome, Path, SetupError, Share, Splat, Stratum, Tally, render, uniform,
+    Accumulated, Film, Metropolis, Mixture, Mutation, Outcome, Path, Progress, SetupError, Share, Splat, Stratum,
+    Tally, render, uniform,
 };
 use mlt_core::rand_core::Rng;
 use std::ops::ControlFlow;
@@ -16,7 +17,7 @@ const ENOUGH: u64 = 5;
 
 fn main() -> Result<(), SetupError> {
     let stop = AtomicBool::new(false);
-    let (sender, previews) = mpsc::channel::<(u64, Vec<f32>)>();
+    let (sender, previews) = mpsc::channel::<(u64, Vec<[f32; 1]>)>();
     thread::scope(|scope| {
         scope.spawn(|| {
             for (rounds, pixels) in previews {
@@ -27,19 +28,18 @@ fn main() -> Result<(), SetupError> {
         let strata = [(Line, Share { mutations: 4000, samples: 400 })];
         let (mixture, importance) = (Mixture::new(vec![Step]), |x: &X| x.0);
         let metropolis = Metropolis::new(&strata, &mixture, &importance, 1)?;
-        let (mut film, mut tally) = (Film::new(16, 1.0), Tally::default());
+        let mut sums = Accumulated::new(Film::new(16, 1.0));
         // It is called after every batch of work too, so that even a long round can be stopped.
-        let mut observe = |at: mlt_core::engine::Progress, film: &Film<1>, _: &Tally| {
+        let mut observe = |at: Progress, sums: &Accumulated<1, Tally>| {
             if at.fraction == 0.0 {
-                let preview = (0..film.sites() as usize).map(|site| film.mean(site)[0] as f32).collect();
                 // Nobody looks any more: then the flag says so, too.
-                let _ = sender.send((film.rounds(), preview));
+                let _ = sender.send((at.rounds, sums.film().preview()));
             }
             if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let outcome = render(&metropolis, 0..u64::MAX, &mut film, &mut tally, &mut observe);
+        let outcome = render(&metropolis, 0..u64::MAX, &mut sums, &mut observe);
         drop(sender);
-        println!("{outcome:?} after {} rounds; all of them are in the film", film.rounds());
+        println!("{outcome:?} after the rounds {}; all of them are in the film", sums.rounds());
         assert_eq!(outcome, Outcome::Stopped);
         Ok(())
     })

@@ -8,7 +8,7 @@ use mlt_core::transport::bsdf::{Bsdf, Lambert};
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::image::mean_luminance;
 use mlt_core::transport::lights::Stratification;
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::render::{Method, Renderer, Settings};
 use mlt_core::transport::scene::{CameraPose, Material, Scene, SceneDescription, UnusableScene, View};
 use std::ops::ControlFlow;
 
@@ -34,10 +34,10 @@ fn main() -> Result<(), UnusableScene> {
     let camera = scene.camera(&pose, [32, 24]);
     let settings = Settings::new(Method::Metropolis, 16.0).with(|s| s.stratification = Stratification::Grid(2, 2));
     let renderer = Renderer::new(View { scene: &scene, camera: &camera }, settings);
-    let (mut film, mut counts) = (renderer.film(), Counts::default());
-    renderer.render(0..16, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
-    let mean = mean_luminance(&film);
-    println!("mean luminance {:.4} ± {:.4} from {} mutations", mean.mean, mean.stderr, counts.steps());
+    let mut sums = renderer.sums();
+    renderer.render(0..16, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    let mean = mean_luminance(sums.film());
+    println!("mean luminance {:.4} ± {:.4} from {} mutations", mean.mean, mean.stderr, sums.tally().steps());
     Ok(())
 }
 

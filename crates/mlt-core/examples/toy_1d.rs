@@ -5,7 +5,7 @@
 //!     cargo run --release -p mlt-core --no-default-features --example toy_1d
 
 use mlt_core::engine::{
-    Film, Metropolis, Mixture, Mutation, Path, SetupError, Share, Splat, Stratum, Tally, render, uniform,
+    Accumulated, Film, Metropolis, Mixture, Mutation, Path, SetupError, Share, Splat, Stratum, render, uniform,
 };
 use mlt_core::rand_core::Rng;
 use std::ops::ControlFlow;
@@ -109,8 +109,9 @@ fn main() -> Result<(), SetupError> {
     let mixture = Mixture::new(vec![Move::Near, Move::Anywhere]);
     let importance = |x: &Point| f(x.0);
     let metropolis = Metropolis::new(&strata, &mixture, &importance, 1)?;
-    let (mut film, mut tally) = (Film::new(BINS + 1, 1.0), Tally::default());
-    render(&metropolis, 0..ROUNDS, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+    let mut sums = Accumulated::new(Film::new(BINS + 1, 1.0));
+    render(&metropolis, 0..ROUNDS, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    let (film, tally) = sums.into_parts();
 
     println!("   bin  estimate     truth     error  std.err.");
     let print = |label: &str, site: u32, truth: f64| {

@@ -9,8 +9,8 @@
 //! Source: [KelemenSzirmayKalos02] (Metropolis over the numbers that a path is made from).
 
 use mlt_core::engine::{
-    Film, Metropolis, Mixture, Mutation, Path, Pixel, Purpose, SetupError, Share, Splat, Stratum, Tally, generator,
-    render, uniform,
+    Accumulated, Film, Metropolis, Mixture, Mutation, Path, Pixel, Purpose, SetupError, Share, Splat, Stratum,
+    generator, render, uniform,
 };
 use mlt_core::rand_core::Rng;
 use std::f64::consts::PI;
@@ -43,8 +43,9 @@ fn metropolis() -> Result<(Film<1>, f64), SetupError> {
     let strata: Vec<_> = (0..GRID * GRID).map(|i| (LampCell { column: i % GRID, row: i / GRID }, share)).collect();
     let (mixture, importance) = (Mixture::new(vec![Step::Small, Step::Large]), |path: &Numbers| path.radiance);
     let metropolis = Metropolis::new(&strata, &mixture, &importance, 1)?;
-    let (mut film, mut tally) = (Film::new(PIXELS + 1, 1.0), Tally::default());
-    render(&metropolis, 0..24, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+    let mut sums = Accumulated::new(Film::new(PIXELS + 1, 1.0));
+    render(&metropolis, 0..24, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    let (film, tally) = sums.into_parts();
     let total = tally.total();
     let accepted: u64 = total.mutations.iter().map(|m| m.accepted).sum();
     tally.warnings().iter().for_each(|warning| println!("warning: {warning}"));

@@ -6,7 +6,7 @@
 //!     cargo run --release -p mlt-core --no-default-features --example your_own_tracer
 
 use mlt_core::check::{self, Trials};
-use mlt_core::engine::{Film, Metropolis, Mixture, SetupError, Share, Splat, Tally, render};
+use mlt_core::engine::{Accumulated, Film, Metropolis, Mixture, SetupError, Share, Splat, render};
 use mlt_core::primary::{Output, PrimaryImportance, PrimaryMutation, PrimaryStratum, Stream, Streams, Tracer};
 use mlt_core::rand_core::Rng;
 use rand_core_09::RngCore;
@@ -92,8 +92,9 @@ fn main() -> Result<(), SetupError> {
     let strata = [(PrimaryStratum { tracer: Adapted, power: 1.0 }, share)];
     let mixture = Mixture::new(PrimaryMutation::both(0.3));
     let metropolis = Metropolis::new(&strata, &mixture, &PrimaryImportance, 1)?;
-    let (mut film, mut tally) = (Film::new(PIXELS, 1.0), Tally::default());
-    render(&metropolis, 0..20, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+    let mut sums = Accumulated::new(Film::new(PIXELS, 1.0));
+    render(&metropolis, 0..20, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    let (film, tally) = sums.into_parts();
     tally.warnings().iter().for_each(|warning| println!("warning: {warning}"));
 
     let mut rng = Plain(mlt_core::engine::generator(2, mlt_core::engine::Purpose::Image, 0, 0, 0));

@@ -34,7 +34,7 @@
 //! ∫ x² over [0, 1) from two strata; the film is a single site.
 //!
 //! ```
-//! use mlt_core::engine::{Film, Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, Tally, render, uniform};
+//! use mlt_core::engine::{Accumulated, Film, Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, render, uniform};
 //! use mlt_core::rand_core::Rng;
 //! use std::ops::ControlFlow;
 //!
@@ -83,8 +83,9 @@
 //! let mixture = Mixture::new(vec![Nudge]);
 //! let importance = |x: &X| x.0; // any positive function will do; the better it follows f, the less noise
 //! let metropolis = Metropolis::new(&strata, &mixture, &importance, 7)?;
-//! let (mut film, mut tally) = (Film::new(1, 1.0), Tally::default());
-//! render(&metropolis, 0..400, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+//! let mut sums = Accumulated::new(Film::new(1, 1.0));
+//! render(&metropolis, 0..400, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+//! let (film, tally) = sums.into_parts();
 //! let [pixel] = film.pixel(0);
 //! assert!((pixel.mean - 1.0 / 3.0).abs() < 4.0 * pixel.stderr);
 //! assert!(pixel.stderr < 0.002);

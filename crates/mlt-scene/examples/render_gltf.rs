@@ -1,6 +1,6 @@
 //! Renders a glTF or OBJ file, or a built-in scene, to a portable float map: `render_gltf SCENE FILE.pfm`.
 
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::render::{Method, Renderer, Settings};
 use mlt_core::transport::scene::{Scene, View};
 use std::{error::Error, fs, ops::ControlFlow};
 
@@ -11,16 +11,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = Scene::new(description)?;
     let camera = scene.camera(&pose, [64, 48]);
     let renderer = Renderer::new(View { scene: &scene, camera: &camera }, Settings::new(Method::Auto, 4.0));
-    let (mut film, mut counts) = (renderer.film(), Counts::default());
-    renderer.render(0..16, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
-    counts.chains.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let mut sums = renderer.sums();
+    renderer.render(0..16, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    sums.tally().chains().warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let image = sums.film().means();
     let rows = (0..48).rev().flat_map(|row| 64 * row..64 * row + 64); // from the bottom up
-    let pixels = rows.flat_map(|i| film.mean(i)).flat_map(|value| (value as f32).to_le_bytes());
-    let image: Vec<u8> = "PF\n64 48\n-1.0\n".bytes().chain(pixels).collect();
+    let pixels = rows.flat_map(|i| image[i]).flat_map(f32::to_le_bytes);
+    let bytes: Vec<u8> = "PF\n64 48\n-1.0\n".bytes().chain(pixels).collect();
     if file.is_empty() {
-        println!("{} bytes", image.len())
+        println!("{} bytes", bytes.len())
     } else {
-        fs::write(file, image)?
+        fs::write(file, bytes)?
     }
     Ok(())
 }

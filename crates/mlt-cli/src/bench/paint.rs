@@ -53,16 +53,14 @@ fn map(share: f64) -> [f32; 3] {
 
 #[cfg(test)]
 mod tests {
+    use mlt_core::transport::{Rgb, luminance};
+
     use super::*;
 
     #[test]
     fn the_map_grows_lighter_throughout() {
-        let lightness: Vec<f32> = (0..=50)
-            .map(|i| {
-                let [r, g, b] = map(f64::from(i) / 50.0).map(png::linear_from_srgb);
-                0.2126 * r + 0.7152 * g + 0.0722 * b
-            })
-            .collect();
+        let lightness: Vec<f32> =
+            (0..=50).map(|i| luminance(Rgb::from_array(map(f64::from(i) / 50.0).map(png::linear_from_srgb)))).collect();
         assert!(lightness.windows(2).all(|pair| pair[0] < pair[1]), "{lightness:?}");
         assert_eq!((map(0.0), map(7.0), map(-1.0)), (MAP[0], MAP[5], MAP[0]));
     }

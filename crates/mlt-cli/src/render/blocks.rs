@@ -1,96 +1,28 @@
 //! How well the rounds of a render agree, block by block of the image.
 
-use mlt_core::engine::Film;
-use mlt_core::transport::{Rgb, luminance};
-use rayon::prelude::*;
+use mlt_core::engine::{self, Grid};
+use mlt_core::transport::LUMINANCE;
 
 use crate::report::Agreement;
 
-/// Blocks along each side of the image, where it has as many pixels.
-const SIDE: usize = 8;
-/// Rounds that are kept.
-const MOST_ROUNDS: usize = 4096;
 /// Fewest rounds whose disagreement says anything.
 const LEAST_ROUNDS: usize = 4;
-
-/// Blocks of an image: nearly equal rectangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Grid {
-    size: [usize; 2],
-    /// Columns and rows.
-    pub cut: [usize; 2],
-}
-
-impl Grid {
-    /// Up to `side` columns and rows of blocks for an image of this width and height.
-    pub fn new(size: [usize; 2], side: usize) -> Self {
-        Self { size, cut: size.map(|n| n.min(side)) }
-    }
-
-    /// Number of blocks.
-    pub fn count(&self) -> usize {
-        self.cut[0] * self.cut[1]
-    }
-
-    /// The block of a pixel, row by row.
-    pub fn block(&self, pixel: usize) -> usize {
-        let (x, y) = (pixel % self.size[0], pixel / self.size[0]);
-        (y * self.cut[1] / self.size[1]) * self.cut[0] + x * self.cut[0] / self.size[0]
-    }
-
-    /// Σ over the pixels of each block of their values, over the number of the image's pixels. Rows are summed on all threads,
-    /// and then in their order.
-    pub fn shares(&self, value: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
-        let ([width, height], columns) = (self.size, self.cut[0]);
-        let row = |y: usize| {
-            let mut sums = vec![0.0; columns];
-            (0..width).for_each(|x| sums[x * columns / width] += value(y * width + x));
-            sums
-        };
-        let sums_of_rows: Vec<_> = (0..height).into_par_iter().map(row).collect();
-        let mut sums = vec![0.0; self.count()];
-        for (y, row) in sums_of_rows.iter().enumerate() {
-            let blocks = &mut sums[self.block(y * width)..];
-            blocks.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
-        }
-        let n = (width * height) as f64;
-        sums.into_iter().map(|sum| sum / n).collect()
-    }
-}
 
 /// Contribution of each round to each block: mean luminance of the image that comes from it.
 #[derive(Clone, Debug)]
 pub struct Blocks {
     grid: Grid,
-    /// Rounds seen, Σ of their weights, and Σ weight × round.
-    seen: [u64; 2],
-    sums: Vec<f64>,
-    /// Of each round, up to 4096 of them.
+    /// Of each round in the order of their numbers.
     pub rounds: Vec<Vec<f64>>,
 }
 
+impl From<&engine::Blocks<3>> for Blocks {
+    fn from(blocks: &engine::Blocks<3>) -> Self {
+        Self { grid: blocks.grid(), rounds: blocks.rounds(LUMINANCE) }
+    }
+}
+
 impl Blocks {
-    /// No rounds, for images of this size.
-    pub fn new(size: [u32; 2]) -> Self {
-        let grid = Grid::new(size.map(|n| n as usize), SIDE);
-        Self { grid, seen: [0; 2], sums: vec![0.0; grid.count()], rounds: Vec::new() }
-    }
-
-    /// Takes in the round that was closed last. Rounds that were not shown are skipped.
-    pub fn add(&mut self, film: &Film<3>) {
-        let (now, [rounds, weight]) = ([film.rounds(), film.weight()], self.seen);
-        if now[0] == rounds || self.rounds.len() == MOST_ROUNDS {
-            return;
-        }
-        let level = |i: usize| f64::from(luminance(Rgb::from_array(film.mean(i).map(|channel| channel as f32))));
-        let sums: Vec<f64> = self.grid.shares(level).iter().map(|mean| mean * now[1] as f64).collect();
-        if now[0] == rounds + 1 {
-            let of_round = (now[1] - weight) as f64;
-            self.rounds.push(sums.iter().zip(&self.sums).map(|(now, before)| (now - before) / of_round).collect());
-        }
-        (self.sums, self.seen) = (sums, now);
-    }
-
     /// The largest share that one round has of the light of a part of the image, over parts that are no darker than the image;
     /// `None` for a black image. A part is four blocks: one alone is small enough to be lit by chance.
     pub fn largest_round(&self) -> Option<f64> {
@@ -141,13 +73,13 @@ impl Blocks {
 
 #[cfg(test)]
 mod tests {
-    use mlt_core::engine::{Sink, Splat};
+    use mlt_core::engine::{Film, Sink, Splat};
 
     use super::*;
 
     /// Rounds of `states` states each, a share q of which lies in the left half of an image of two pixels.
     fn rounds(states: u32, shares: &[f64]) -> Blocks {
-        let (mut film, mut blocks) = (Film::<3>::new(2, 1.0), Blocks::new([2, 1]));
+        let mut film = Film::<3>::new(2, 1.0);
         for &q in shares {
             let left = (q * f64::from(states)).round();
             let mut deposits = film.deposits();
@@ -156,9 +88,8 @@ mod tests {
             }
             film.add(&[deposits]);
             film.close_round(film.rounds(), 1);
-            blocks.add(&film);
         }
-        blocks
+        film.blocks().into()
     }
 
     #[test]
@@ -187,15 +118,6 @@ mod tests {
         let mut blocks = rounds(1000, &[0.5; 8]);
         blocks.rounds[3].iter_mut().for_each(|light| *light *= 10.0);
         assert!((blocks.largest_round().expect("lit") - 10.0 / 17.0).abs() < 1e-6);
-        assert_eq!(Blocks::new([8, 8]).largest_round(), None);
-    }
-
-    #[test]
-    fn a_grid_covers_the_image() {
-        let grid = Grid::new([5, 3], 4);
-        let blocks: Vec<usize> = (0..15).map(|pixel| grid.block(pixel)).collect();
-        assert_eq!((grid.count(), blocks[0], blocks[14]), (12, 0, 11));
-        let shares = grid.shares(|_| 1.0);
-        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{shares:?}");
+        assert_eq!(rounds(1000, &[]).largest_round(), None);
     }
 }

@@ -1,10 +1,8 @@
 //! The image files of a render.
 
 use mlt_core::engine::Film;
-use mlt_core::transport::image::standard_errors;
-use rayon::prelude::*;
 
-use super::{Plan, Setup, session::Finished};
+use super::{Plan, session::Finished};
 use crate::{
     Failure,
     args::{
@@ -19,9 +17,9 @@ use crate::{
 };
 
 /// Writes all files, on the current rayon pool, and names them in the report. One that cannot be written does not stop the others.
-pub fn write(options: &RenderOptions, setup: &Setup, finished: Finished) -> Result<Report, Failure> {
+pub fn write(options: &RenderOptions, finished: Finished) -> Result<Report, Failure> {
     let Finished { film, mut report, per_pixel, .. } = finished;
-    let (image, stderr) = develop(film, setup)?;
+    let (image, stderr) = develop(film)?;
     let attributes = attributes(options, &report, per_pixel)?;
     let write = |output: &OutputFile| -> anyhow::Result<String> {
         let bytes = match output.format {
@@ -43,12 +41,11 @@ pub fn write(options: &RenderOptions, setup: &Setup, finished: Finished) -> Resu
 
 /// The image and its standard errors; `None` where one round tells nothing of them.
 #[allow(clippy::type_complexity)]
-pub fn develop(mut film: Film<3>, setup: &Setup) -> anyhow::Result<(Image, Option<Vec<[f32; 3]>>)> {
+pub fn develop(mut film: Film<3>) -> anyhow::Result<(Image, Option<Vec<[f32; 3]>>)> {
     film.finish();
-    let [width, height] = setup.camera.size().map(|n| n as usize);
-    let pixels = (0..film.sites() as usize).into_par_iter().map(|i| film.pixel(i).map(|c| c.mean as f32));
-    let image = Image::new(width, height, pixels.collect())?;
-    let errors = || standard_errors(&film, setup.camera.size()).into_iter().map(|e| e.map(|x| x as f32)).collect();
+    let [width, height] = film.size().map(|n| n as usize);
+    let image = Image::new(width, height, film.means())?;
+    let errors = || film.standard_errors().into_iter().map(|e| e.map(|x| x as f32)).collect();
     let stderr = (film.rounds() > 1).then(errors);
     Ok((image, stderr))
 }

@@ -9,7 +9,7 @@ const NAMED: usize = 4;
 /// One warning for each kind of loss, those of chains first. `width`: pixels in a row.
 pub fn losses(film: &Film<3>, counts: &Counts, width: usize) -> Vec<String> {
     // A black image has a warning of its own, whatever made it.
-    let of_chains = counts.chains.warnings().into_iter().filter(|warning| warning.kind != WarningKind::Black);
+    let of_chains = counts.chains().warnings().into_iter().filter(|warning| warning.kind != WarningKind::Black);
     let mut warnings: Vec<_> = of_chains.map(|warning| warning.to_string()).collect();
     let pixels_of = |sites: &[usize]| named(sites.iter().map(|site| format!("({}, {})", site % width, site / width)));
     let lost = film.lost();
@@ -49,6 +49,7 @@ fn named(mut places: impl Iterator<Item = String>) -> String {
 #[cfg(test)]
 mod tests {
     use mlt_core::engine::{MutationStats, Sink, Splat, StratumStats, Tally};
+    use mlt_core::transport::methods::SampleTally;
 
     use super::*;
 
@@ -59,7 +60,7 @@ mod tests {
         let refused = StratumStats { refused_starts: 2, ..stratum(1) };
         let strata = [0, 3, 1, 1, 1, 1].map(stratum).into_iter().chain([refused]).collect();
         let chains = Tally { strata, mutations: vec!["bidirectional".into(), "lens".into()] };
-        let counts = Counts { chains, ..Counts::default() };
+        let counts = Counts::new(SampleTally::default(), chains);
         let warnings = losses(&Film::new(4, 1.0), &counts, 2);
         assert_eq!(warnings.len(), 2, "{warnings:?}");
         assert!(warnings[0].starts_with("8 paths, made by lens"), "{warnings:?}");

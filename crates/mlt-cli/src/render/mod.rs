@@ -20,8 +20,9 @@ use crate::{
     Failure, args::render::RenderOptions, image::Image, interrupt::Interrupt, print, report::Report, warn, warn_all,
 };
 
-pub(crate) use blocks::{Blocks, Grid};
+pub(crate) use blocks::Blocks;
 pub(crate) use plan::Plan;
+use session::Finished;
 pub(crate) use setup::Setup;
 
 /// Renders, writes the files, and reports.
@@ -37,7 +38,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let interrupt = Interrupt::install()?;
     let finished = pool.install(|| session::run(options, &setup, plan, &interrupt))?;
     let interrupted = finished.report.interrupted;
-    let report = pool.install(|| files::write(options, &setup, finished))?;
+    let report = pool.install(|| files::write(options, finished))?;
     show(options, &report)?;
     if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }
@@ -57,8 +58,10 @@ pub(crate) struct Rendered {
 /// Renders on the current rayon pool and writes nothing.
 pub(crate) fn in_memory(options: &RenderOptions, setup: &Setup, interrupt: &Interrupt) -> Result<Rendered, Failure> {
     let finished = session::run(options, setup, Plan::new(options), interrupt)?;
-    let (image, stderr) = files::develop(finished.film, setup)?;
-    Ok(Rendered { image, stderr, report: finished.report, blocks: finished.blocks })
+    let Finished { film, report, .. } = finished;
+    let blocks = film.blocks().into();
+    let (image, stderr) = files::develop(film)?;
+    Ok(Rendered { image, stderr, report, blocks })
 }
 
 fn announce(plan: &Plan) {

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use mlt_core::engine::{self, Film, Outcome};
 use mlt_core::transport::image::relative_error;
-use mlt_core::transport::render::{Counts, Observer, Renderer};
+use mlt_core::transport::render::{Observer, Renderer, Sums};
 use mlt_core::transport::scene::View;
 
 use super::{
@@ -38,8 +38,6 @@ pub struct Finished {
     pub report: Report,
     /// Mutations or samples a pixel of one round.
     pub per_pixel: f64,
-    /// Contribution of each round to each block of the image.
-    pub blocks: Blocks,
 }
 
 /// Renders on the current rayon pool.
@@ -56,18 +54,18 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
         per_pixel,
         start,
     };
-    let mut made = Made::new(&session);
-    let outcome = session.rounds(&mut made);
-    if made.film.rounds() == 0 {
+    let mut sums = session.renderer.sums();
+    let outcome = session.rounds(&mut sums);
+    if sums.film().rounds() == 0 {
         return Err(Failure::InterruptedEarly(anyhow::anyhow!(
             "interrupted before the first round was finished; nothing is written"
         )));
     }
     let interrupted = outcome == Outcome::Stopped && interrupt.requested();
-    let mut report = session.report(&made, interrupted);
+    let mut report = session.report(&sums, interrupted);
     report.seconds = start.elapsed().as_secs_f64();
     report.cpu_seconds = cpu_seconds().zip(cpu).map(|(now, then)| now - then);
-    Ok(Finished { film: made.film, report, per_pixel, blocks: made.blocks })
+    Ok(Finished { film: sums.into_parts().0, report, per_pixel })
 }
 
 /// A render under way.
@@ -81,54 +79,36 @@ struct Session<'a> {
     start: Instant,
 }
 
-/// The sums and counts of the rounds so far.
-struct Made {
-    film: Film<3>,
-    counts: Counts,
-    blocks: Blocks,
-}
-
-impl Made {
-    /// Nothing yet.
-    fn new(session: &Session) -> Self {
-        let film = session.renderer.film();
-        Self { film, counts: Counts::default(), blocks: Blocks::new(session.setup.camera.size()) }
-    }
-}
-
 impl Session<'_> {
     /// Makes rounds until the end, and shows progress.
-    fn rounds(&self, made: &mut Made) -> Outcome {
-        let Made { film, counts, blocks } = made;
+    fn rounds(&self, sums: &mut Sums) -> Outcome {
         let progress = Progress::new(STEPS, self.options.method().unit(), self.options.quiet);
         let (watched, mut error) = (progress.is_shown() || self.ending.needs_error(), None);
-        let mut observe = |at: engine::Progress, film: &Film<3>| {
-            let (rounds, at_end) = (film.rounds(), at.fraction == 0.0);
-            if at_end {
-                blocks.add(film);
-            }
+        let mut observe = |at: engine::Progress, sums: &Sums| {
+            let (rounds, at_end) = (sums.film().rounds(), at.fraction == 0.0);
             if watched && rounds > 1 && at_end {
-                error = Some(relative_error(film)).filter(|error| error.is_finite());
+                error = Some(relative_error(sums.film())).filter(|error| error.is_finite());
             }
             let done = rounds as f64 + at.fraction;
             progress.update(self.ending.share(done, error), self.rate(done), error);
             self.ending.reached(rounds, at_end, error)
         };
-        let outcome = self.until_the_end(film, counts, &mut observe);
+        let outcome = self.until_the_end(sums, &mut observe);
         progress.finish();
         outcome
     }
 
     /// Makes as many rounds at a time as the ending lets begin.
-    fn until_the_end(&self, film: &mut Film<3>, counts: &mut Counts, observe: &mut Observer) -> Outcome {
+    fn until_the_end(&self, sums: &mut Sums, observe: &mut Observer) -> Outcome {
         let mut outcome = Outcome::Complete;
         while outcome == Outcome::Complete {
-            let next = self.options.first_round.saturating_add(film.rounds());
-            let end = next.saturating_add(self.ending.next(film.rounds()));
+            let done = sums.film().rounds();
+            let next = self.options.first_round.saturating_add(done);
+            let end = next.saturating_add(self.ending.next(done));
             if end == next {
                 break;
             }
-            outcome = self.renderer.render(next..end, film, counts, observe);
+            outcome = self.renderer.render(next..end, sums, observe);
         }
         outcome
     }
@@ -139,8 +119,8 @@ impl Session<'_> {
     }
 
     /// Everything but times and files.
-    fn report(&self, made: &Made, interrupted: bool) -> Report {
-        let Made { film, counts, blocks } = made;
+    fn report(&self, sums: &Sums, interrupted: bool) -> Report {
+        let (film, counts, blocks) = (sums.film(), sums.tally(), &Blocks::from(sums.film().blocks()));
         let mut report = report(self.options, self.setup, film, counts);
         report.agreement = blocks.agreement().filter(|_| counts.steps() > 0);
         report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));

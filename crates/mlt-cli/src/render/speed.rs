@@ -5,11 +5,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use mlt_core::engine::{Film, Outcome};
+use mlt_core::engine::Outcome;
 use mlt_core::transport::image::Target;
 use mlt_core::transport::lights::Stratification;
 use mlt_core::transport::methods::metropolis::Weights;
-use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+use mlt_core::transport::render::{Method, Renderer, Settings, Sums};
 use mlt_core::transport::scene::View;
 
 use super::Plan;
@@ -42,7 +42,7 @@ impl Round {
 fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> Round {
     let time = plan.time.unwrap_or_default();
     let (start, enough) = (Instant::now(), time.mul_f64(0.01).min(ENOUGH));
-    let mut observe = |_, _: &Film<3>| match interrupt.requested() {
+    let mut observe = |_, _: &Sums| match interrupt.requested() {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
     };
@@ -51,8 +51,8 @@ fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interr
         let trial = Renderer::new(view, without_pilot(options.settings(size)));
         let done = if options.method().mutates() { size } else { size.max(1.0) };
         let rounds = rounds_of_trial(done * f64::from(view.camera.pixels()));
-        let (mut film, before) = (trial.film(), Instant::now());
-        if trial.render(0..rounds, &mut film, &mut Counts::default(), &mut observe) == Outcome::Stopped {
+        let (mut sums, before) = (trial.sums(), Instant::now());
+        if trial.render(0..rounds, &mut sums, &mut observe) == Outcome::Stopped {
             return Round { per_pixel: size, time: Duration::ZERO };
         }
         let taken = before.elapsed();

@@ -32,16 +32,16 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
         seconds: 0.0,
         cpu_seconds: None,
         mutations: counts.steps(),
-        samples: counts.samples + counts.chains.strata.iter().map(|s| s.samples).sum::<u64>(),
-        rays: counts.rays,
-        chain_rays: counts.chains.strata.iter().map(|s| s.chain_work + s.sample_work).sum(),
-        pilot_mutations: counts.pilot_mutations,
-        pilot_rays: counts.pilot_rays,
+        samples: counts.samples() + counts.chains().strata.iter().map(|s| s.samples).sum::<u64>(),
+        rays: counts.rays(),
+        chain_rays: counts.chains().work(),
+        pilot_mutations: counts.pilot.mutations,
+        pilot_rays: counts.pilot.rays,
         acceptance: acceptance(&mutations),
         longest_rejection: mutations.iter().map(|(name, stats)| (name.clone(), stats.longest_rejection)).collect(),
         b,
         b_stderr,
-        strata: counts.chains.strata.iter().map(stratum).collect(),
+        strata: counts.chains().strata.iter().map(stratum).collect(),
         relative_error: error.is_finite().then_some(error),
         agreement: None,
         trust: Trust::default(),
@@ -57,7 +57,7 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
 
 /// Counts of each mutation over all strata.
 fn by_mutation(counts: &Counts) -> BTreeMap<String, MutationStats> {
-    let Tally { strata, mutations: names } = &counts.chains;
+    let Tally { strata, mutations: names } = counts.chains();
     let mut mutations: BTreeMap<_, _> = names.iter().map(|name| (name.to_string(), MutationStats::default())).collect();
     for (name, stats) in strata.iter().flat_map(|s| names.iter().zip(&s.mutations)) {
         mutations.entry(name.to_string()).or_default().merge(stats);

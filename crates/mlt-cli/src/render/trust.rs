@@ -19,7 +19,7 @@ pub fn trust(film: &Film<3>, counts: &Counts, blocks: &Blocks, size: [u32; 2]) -
     Trust {
         worst_pixels: enough.then(|| worst_pixels(film, size)).flatten(),
         largest_round: enough.then(|| blocks.largest_round()).flatten(),
-        starts: starts(&counts.chains.strata),
+        starts: starts(&counts.chains().strata),
         unmet_light: unmet_light(counts, b.mean),
         b_error: Some(b.stderr / b.mean).filter(|error| error.is_finite()),
     }
@@ -48,9 +48,9 @@ fn worst_pixels(film: &Film<3>, size: [u32; 2]) -> Option<f64> {
 /// Σ_j b_j u_j over all light, u_j being the share of a stratum that samples were to meet fewer than ten times. Without samples of the
 /// image all light is that of the chains; with them it is `b`, and chains sample luminance.
 fn unmet_light(counts: &Counts, b: f64) -> Option<f64> {
-    let sum = |value: fn(&StratumStats) -> f64| counts.chains.strata.iter().map(value).sum::<f64>();
+    let sum = |value: fn(&StratumStats) -> f64| counts.chains().strata.iter().map(value).sum::<f64>();
     let chains = sum(StratumStats::b);
-    let all = if counts.samples == 0 { chains } else { chains.max(b) };
+    let all = if counts.samples() == 0 { chains } else { chains.max(b) };
     (all > 0.0 && counts.steps() > 0).then(|| sum(|s| s.b() * s.rarity.unmet(s.weight_sum.value())) / all)
 }
 
@@ -65,6 +65,7 @@ fn starts(strata: &[StratumStats]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use mlt_core::engine::{Sink, Splat, Tally};
+    use mlt_core::transport::methods::SampleTally;
 
     use super::*;
 
@@ -120,10 +121,8 @@ mod tests {
         let mut chains = stratum(40, 2.0);
         (0..8).for_each(|i| chains.rarity.add([0.125, 256.0][i % 2], 1.0, 1.0));
         let chains = Tally { strata: vec![StratumStats { idle: 1, ..chains }, stratum(40, 2.0)], ..Tally::default() };
-        let mut counts = Counts { chains, ..Counts::default() };
-        assert_eq!(unmet_light(&counts, 8.0), Some(0.25));
-        counts.samples = 1;
-        assert_eq!(unmet_light(&counts, 8.0), Some(0.05));
+        let of = |samples| Counts::new(SampleTally { samples, rays: 0 }, chains.clone());
+        assert_eq!([0, 1].map(|samples| unmet_light(&of(samples), 8.0)), [Some(0.25), Some(0.05)]);
         assert_eq!(unmet_light(&Counts::default(), 8.0), None);
     }
 

@@ -1,5 +1,6 @@
 //! Whether two methods have the same mean image: Welch's t-test by region, corrected for their number.
 
+use mlt_core::engine::Grid;
 use rand_pcg::{
     Pcg64Mcg,
     rand_core::{Rng, SeedableRng},
@@ -71,7 +72,7 @@ type Table = Vec<Vec<f64>>;
 pub fn bias(evidence: &Evidence) -> Bias {
     let grid = evidence.regions();
     let table = |images: &mut dyn Iterator<Item = &[f64]>| -> Table {
-        images.map(|image| with_total(grid.shares(|i| image[i]))).collect()
+        images.map(|image| regions(&grid, |i| image[i])).collect()
     };
     let (a, b) = (table(&mut evidence.images()), table(&mut evidence.references()));
     let tests = tests(&a, &b);
@@ -95,7 +96,9 @@ pub fn bias(evidence: &Evidence) -> Bias {
     }
 }
 
-fn with_total(mut regions: Vec<f64>) -> Vec<f64> {
+/// What each region gives to the image's mean, and that mean last.
+fn regions(grid: &Grid, pixel: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
+    let mut regions: Vec<f64> = grid.shares(|i| [pixel(i)]).into_iter().map(|[share]| share).collect();
     regions.push(regions.iter().sum());
     regions
 }
@@ -238,7 +241,7 @@ fn inject(evidence: &Evidence, a: &Table, b: &Table) -> Option<Injected> {
     if !share.is_finite() {
         return None;
     }
-    let error = with_total(evidence.regions().shares(|i| strongest.pixels[i] * INJECTED));
+    let error = regions(&evidence.regions(), |i| strongest.pixels[i] * INJECTED);
     let shift = |(column, x): (usize, &f64)| x - mean(a, column) + mean(b, column) + error[column];
     let wrong: Table = a.iter().map(|row| row.iter().enumerate().map(shift).collect()).collect();
     let p = corrected(&tests(&wrong, b));

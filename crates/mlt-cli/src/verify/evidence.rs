@@ -1,13 +1,13 @@
 //! Evidence for a verdict: independent replicas of a method and of a reference.
 
-use mlt_core::engine::HalfChains;
+use mlt_core::engine::{Grid, HalfChains};
 use mlt_core::transport::lights::Stratification;
 use mlt_core::transport::{Rgb, luminance};
 
 use crate::{
     args::transport::Method,
     image::Image,
-    render::{Grid, Rendered},
+    render::Rendered,
     report::{Report, StratumReport},
 };
 

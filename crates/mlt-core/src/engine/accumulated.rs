@@ -1,8 +1,7 @@
 //! Sums of rounds: all that has to outlive a process.
 
-use super::bytes::{put, put_list, put_text};
-use super::{Counted, DecodeError, Estimator, Film, MergeError, Observer, Outcome, Reader, Rounds, render};
-use std::ops::Range;
+use super::bytes::{put_list, put_text};
+use super::{Counted, DecodeError, Film, MergeError, Reader, Rounds};
 
 /// First bytes of the format.
 const MAGIC: [u8; 8] = *b"mlt-sums";
@@ -18,14 +17,20 @@ pub type Key = Vec<(String, String)>;
 #[derive(Clone, Debug)]
 pub struct Accumulated<const C: usize, T> {
     key: Key,
-    film: Film<C>,
-    tally: T,
+    pub(super) film: Film<C>,
+    pub(super) tally: T,
 }
 
 impl<const C: usize, T: Counted> Accumulated<C, T> {
-    /// No rounds of a render with this key, on a film that holds none.
-    pub fn new(key: Key, film: Film<C>) -> Self {
-        Self { key, film, tally: T::default() }
+    /// No rounds, on a film that holds none.
+    pub fn new(film: Film<C>) -> Self {
+        Self { key: Key::new(), film, tally: T::default() }
+    }
+
+    /// The same of a render with this key.
+    #[must_use]
+    pub fn with_key(self, key: Key) -> Self {
+        Self { key, ..self }
     }
 
     /// The image.
@@ -48,14 +53,15 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         &self.key
     }
 
-    /// Adds those of the rounds that it does not hold yet, as [`render`] does.
-    pub fn render<E: Estimator<C, Tally = T>>(
-        &mut self,
-        estimator: &E,
-        rounds: Range<u64>,
-        observe: &mut Observer<'_, C, T>,
-    ) -> Outcome {
-        render(estimator, rounds, &mut self.film, &mut self.tally, observe)
+    /// Takes what its rounds have made, apart.
+    pub fn into_parts(self) -> (Film<C>, T) {
+        (self.film, self.tally)
+    }
+
+    /// Forgets all rounds, and keeps the film's memory.
+    pub fn clear(&mut self) {
+        self.film.clear();
+        self.tally = T::default();
     }
 
     /// Adds another part of the same render.
@@ -93,7 +99,7 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         self.film.write(&mut bytes);
         self.tally.write(&mut bytes);
         let sum = checksum(&bytes);
-        put(&mut bytes, sum);
+        bytes.extend(sum);
         bytes
     }
 
@@ -113,7 +119,7 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
             return Err(DecodeError::Version(version));
         }
         let (content, sum) = bytes.split_last_chunk().ok_or(DecodeError::Damaged)?;
-        if checksum(content) != u64::from_le_bytes(*sum) {
+        if checksum(content) != *sum {
             return Err(DecodeError::Damaged);
         }
         let channels = from.bytes().map(u32::from_le_bytes)?;
@@ -122,27 +128,22 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         }
         let key = from.list(|from| Ok((from.text()?, from.text()?)))?;
         let accumulated = Self { key, film: Film::read(&mut from)?, tally: T::read(&mut from)? };
-        from.number()?;
+        from.bytes::<{ blake3::OUT_LEN }>()?;
         if from.is_empty() { Ok(accumulated) } else { Err(DecodeError::Damaged) }
     }
 }
 
-/// Tells bytes that were changed by chance: 64 bits, each of which depends on every byte. It is no protection against intent.
-fn checksum(bytes: &[u8]) -> u64 {
-    let absorb = |hash: u64, chunk: &[u8]| {
-        let mut word = [0; 8];
-        word[..chunk.len()].copy_from_slice(chunk);
-        super::key::mix(hash ^ u64::from_le_bytes(word)).wrapping_add(0x9e37_79b9_7f4a_7c15)
-    };
-    bytes.chunks(8).fold(bytes.len() as u64, absorb)
+/// Tells bytes that were changed. It is no protection against intent: whoever changes them can make another.
+fn checksum(bytes: &[u8]) -> [u8; blake3::OUT_LEN] {
+    *blake3::hash(bytes).as_bytes()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, Tally, uniform};
+    use crate::engine::{Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, Tally, render, uniform};
     use rand_pcg::rand_core::Rng;
-    use std::ops::ControlFlow;
+    use std::ops::{ControlFlow, Range};
 
     #[derive(Clone)]
     struct X(f64);
@@ -196,13 +197,17 @@ mod tests {
         vec![("scene".into(), "line".into()), ("seed".into(), seed.into())]
     }
 
+    fn empty(seed: &str) -> Part {
+        Part::new(Film::new(3, 0.5)).with_key(key(seed))
+    }
+
     fn part(rounds: Range<u64>) -> Part {
         let share = Share { mutations: 700, samples: 90 };
         let strata = [(Cell { low: 0.0 }, share), (Cell { low: 0.5 }, share)];
         let (mixture, importance) = (Mixture::new(vec![Nudge]), |x: &X| 0.1 + x.0);
         let metropolis = Metropolis::new(&strata, &mixture, &importance, 7).expect("sound");
-        let mut part = Part::new(key("7"), Film::new(3, 0.5));
-        part.render(&metropolis, rounds, &mut |_, _, _| ControlFlow::Continue(()));
+        let mut part = empty("7");
+        render(&metropolis, rounds, &mut part, &mut |_, _| ControlFlow::Continue(()));
         part
     }
 
@@ -211,7 +216,7 @@ mod tests {
         let whole = part(0..23).to_bytes();
         let ranges = [0..4, 4..5, 5..16, 16..23];
         for order in [[0, 1, 2, 3], [3, 2, 1, 0], [2, 0, 3, 1]] {
-            let mut merged = Part::new(key("7"), Film::new(3, 0.5));
+            let mut merged = empty("7");
             for i in order {
                 let bytes = part(ranges[i].clone()).to_bytes();
                 merged.merge(&Part::from_bytes(&bytes).expect("sound")).expect("another part");
@@ -229,7 +234,7 @@ mod tests {
             a.merge(&b).expect_err("overlap").to_string(),
             "both films hold the rounds 3, which would count twice"
         );
-        let other = Part::new(key("8"), Film::new(3, 0.5));
+        let other = empty("8");
         assert!(
             a.merge(&other).expect_err("another seed").to_string().starts_with("seed is 7 in one and 8 in the other")
         );
@@ -274,12 +279,13 @@ mod tests {
     #[test]
     fn forged_bytes_make_no_panic() {
         let bytes = part(0..2).to_bytes();
-        for at in 16..bytes.len() - 8 {
+        let content = &bytes[..bytes.len() - blake3::OUT_LEN];
+        for at in 16..content.len() {
             for value in [0, 1, 127, 255] {
-                let mut forged = bytes[..bytes.len() - 8].to_vec();
+                let mut forged = content.to_vec();
                 forged[at] = value;
                 let sum = checksum(&forged);
-                put(&mut forged, sum);
+                forged.extend(sum);
                 let _ = Part::from_bytes(&forged).map(|part| (part.film().whole([1.0; 2]), part.tally().warnings()));
             }
         }

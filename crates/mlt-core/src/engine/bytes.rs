@@ -114,6 +114,21 @@ pub trait Counted: Default {
     fn read(from: &mut Reader) -> Result<Self, DecodeError>;
 }
 
+/// A plain count.
+impl Counted for u64 {
+    fn merge(&mut self, other: &Self) {
+        *self += other;
+    }
+
+    fn write(&self, to: &mut Vec<u8>) {
+        put(to, *self);
+    }
+
+    fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        from.number()
+    }
+}
+
 /// Appends a number.
 pub fn put(to: &mut Vec<u8>, number: u64) {
     to.extend(number.to_le_bytes());

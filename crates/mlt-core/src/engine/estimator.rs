@@ -1,6 +1,6 @@
 //! Estimators that are repeated in rounds, and the loop that repeats them.
 
-use super::{Deposits, Film};
+use super::{Accumulated, Counted, Deposits};
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 
@@ -19,7 +19,9 @@ pub trait Estimator<const C: usize>: Sync {
     /// State that the tasks of a round share.
     type Prepared: Send + Sync;
     /// Counts of a task.
-    type Tally: Default + Send;
+    type Task: Send;
+    /// Counts of rounds.
+    type Tally: Counted;
 
     /// Starts round number `round`.
     fn prepare(&self, round: u64) -> Self::Prepared;
@@ -28,11 +30,11 @@ pub trait Estimator<const C: usize>: Sync {
     /// Most deposits that a task may make, for the size of a batch.
     fn task_deposits(&self) -> usize;
     /// Runs one task.
-    fn run(&self, prepared: &Self::Prepared, task: usize, deposits: &mut Deposits<C>) -> Self::Tally;
+    fn run(&self, prepared: &Self::Prepared, task: usize, deposits: &mut Deposits<C>) -> Self::Task;
     /// Samples in a round: the weight of its result.
     fn weight(&self, round: u64) -> u64;
     /// Adds to `total` what a finished round counted; `tasks` are in their order.
-    fn tally(&self, total: &mut Self::Tally, prepared: &Self::Prepared, tasks: Vec<Self::Tally>);
+    fn tally(&self, total: &mut Self::Tally, prepared: &Self::Prepared, tasks: Vec<Self::Task>);
 }
 
 /// Where a render stands.
@@ -45,32 +47,31 @@ pub struct Progress {
 }
 
 /// Called with the state of a render; it breaks to stop it.
-pub type Observer<'a, const C: usize, T> = dyn FnMut(Progress, &Film<C>, &T) -> ControlFlow<()> + 'a;
+pub type Observer<'a, const C: usize, T> = dyn FnMut(Progress, &Accumulated<C, T>) -> ControlFlow<()> + 'a;
 
 /// How a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// All rounds were made.
     Complete,
-    /// The observer stopped it; the film holds the finished rounds.
+    /// The observer stopped it; its sums hold the finished rounds.
     Stopped,
 }
 
-/// Adds rounds to `film` and their counts to `tally`, on the current rayon pool. Those that the film holds already are left out.
+/// Adds rounds to `sums`, on the current rayon pool. Those that are in them already are left out.
 ///
 /// Where a round has few tasks, several rounds are in flight: prepared together, with one list of tasks. `observe` is called
 /// after every batch of tasks and after every round. When it breaks, unfinished rounds are dropped.
 pub fn render<const C: usize, E: Estimator<C>>(
     estimator: &E,
     rounds: Range<u64>,
-    film: &mut Film<C>,
-    tally: &mut E::Tally,
+    sums: &mut Accumulated<C, E::Tally>,
     observe: &mut Observer<'_, C, E::Tally>,
 ) -> Outcome {
-    let missing = film.rounds_held().missing(rounds);
-    let mut merger = Merger { estimator, film, tally, observe, tallies: Vec::new(), rounds: 0 };
+    let missing = sums.rounds().missing(rounds);
+    let mut merger = Merger { estimator, sums, observe, tasks: Vec::new(), rounds: 0 };
     if missing.into_iter().try_for_each(|rounds| merger.make(rounds)).is_break() {
-        merger.film.drop_round();
+        merger.sums.film.drop_round();
         return Outcome::Stopped;
     }
     Outcome::Complete
@@ -82,11 +83,10 @@ type Round<E, const C: usize> = (u64, <E as Estimator<C>>::Prepared);
 /// Merges tasks in their order and closes rounds.
 struct Merger<'a, 'o, const C: usize, E: Estimator<C>> {
     estimator: &'a E,
-    film: &'a mut Film<C>,
-    tally: &'a mut E::Tally,
+    sums: &'a mut Accumulated<C, E::Tally>,
     observe: &'a mut Observer<'o, C, E::Tally>,
-    /// Of the current round's tasks so far.
-    tallies: Vec<E::Tally>,
+    /// Counts of the current round's tasks so far.
+    tasks: Vec<E::Task>,
     /// Rounds closed.
     rounds: u64,
 }
@@ -122,7 +122,7 @@ impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
     ) -> ControlFlow<()> {
         let batch = batch_size::<C>(rayon::current_num_threads(), self.estimator.task_deposits());
         if buffers.len() < batch.min(tasks.len()) {
-            buffers.resize_with(batch.min(tasks.len()), || self.film.deposits());
+            buffers.resize_with(batch.min(tasks.len()), || self.sums.film.deposits());
         }
         let mut open = self.close(rounds)?;
         for tasks in tasks.chunks(batch) {
@@ -131,17 +131,17 @@ impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
                 deposits.clear();
                 estimator.run(&round.1, task, deposits)
             };
-            let mut tallies = tasks.par_iter().zip(buffers.par_iter_mut()).map(run).collect::<Vec<_>>().into_iter();
+            let mut counts = tasks.par_iter().zip(buffers.par_iter_mut()).map(run).collect::<Vec<_>>().into_iter();
             let mut merged = 0;
             for of_round in tasks.chunk_by(|a, b| a.0.0 == b.0.0) {
-                self.film.add(&buffers[merged..merged + of_round.len()]);
-                self.tallies.extend(tallies.by_ref().take(of_round.len()));
+                self.sums.film.add(&buffers[merged..merged + of_round.len()]);
+                self.tasks.extend(counts.by_ref().take(of_round.len()));
                 merged += of_round.len();
                 open = self.close(open)?;
             }
-            if let Some(round) = open.first().filter(|_| !self.tallies.is_empty()) {
-                let fraction = self.tallies.len() as f64 / self.estimator.tasks(&round.1) as f64;
-                (self.observe)(Progress { rounds: self.rounds, fraction }, self.film, self.tally)?;
+            if let Some(round) = open.first().filter(|_| !self.tasks.is_empty()) {
+                let fraction = self.tasks.len() as f64 / self.estimator.tasks(&round.1) as f64;
+                (self.observe)(Progress { rounds: self.rounds, fraction }, self.sums)?;
             }
         }
         ControlFlow::Continue(())
@@ -150,12 +150,12 @@ impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
     /// Closes the first of the open rounds if all its tasks are merged, and those after it that have none; returns the rest.
     fn close<'r>(&mut self, mut open: &'r [Round<E, C>]) -> ControlFlow<(), &'r [Round<E, C>]> {
         while let [(round, prepared), rest @ ..] = open
-            && self.tallies.len() == self.estimator.tasks(prepared)
+            && self.tasks.len() == self.estimator.tasks(prepared)
         {
-            self.film.close_round(*round, self.estimator.weight(*round));
-            self.estimator.tally(self.tally, prepared, std::mem::take(&mut self.tallies));
+            self.sums.film.close_round(*round, self.estimator.weight(*round));
+            self.estimator.tally(&mut self.sums.tally, prepared, std::mem::take(&mut self.tasks));
             self.rounds += 1;
-            (self.observe)(Progress { rounds: self.rounds, fraction: 0.0 }, self.film, self.tally)?;
+            (self.observe)(Progress { rounds: self.rounds, fraction: 0.0 }, self.sums)?;
             open = rest;
         }
         ControlFlow::Continue(open)
@@ -176,7 +176,7 @@ pub fn batch_size<const C: usize>(threads: usize, task_deposits: usize) -> usize
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Sink, Splat};
+    use super::super::{Film, Sink, Splat};
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::time::{Duration, Instant};
@@ -192,7 +192,8 @@ mod tests {
 
     impl Estimator<1> for Lamps {
         type Prepared = u64;
-        type Tally = usize;
+        type Task = u64;
+        type Tally = u64;
 
         fn prepare(&self, round: u64) -> u64 {
             round
@@ -206,7 +207,7 @@ mod tests {
             1
         }
 
-        fn run(&self, round: &u64, task: usize, deposits: &mut Deposits<1>) -> usize {
+        fn run(&self, round: &u64, task: usize, deposits: &mut Deposits<1>) -> u64 {
             self.running.fetch_add(1, Ordering::SeqCst);
             let start = Instant::now();
             while start.elapsed() < self.patience && self.running.load(Ordering::SeqCst) < 2 {
@@ -223,28 +224,27 @@ mod tests {
             1 + round % 3
         }
 
-        fn tally(&self, total: &mut usize, _round: &u64, tasks: Vec<usize>) {
-            *total += tasks.len();
+        fn tally(&self, total: &mut u64, _round: &u64, tasks: Vec<u64>) {
+            *total += tasks.iter().sum::<u64>();
         }
     }
 
     /// 40 rounds on some threads, stopped after `most` of them: the pixels, the number of rounds and of tasks, and how many
     /// ran at once.
-    fn rendered(tasks: fn(u64) -> usize, threads: usize, most: u64, patience: u64) -> (Vec<f64>, u64, usize, usize) {
+    fn rendered(tasks: fn(u64) -> usize, threads: usize, most: u64, patience: u64) -> (Vec<f64>, u64, u64, usize) {
         let patience = Duration::from_millis(patience);
         let lamps = Lamps { tasks, patience, running: AtomicUsize::new(0), most: AtomicUsize::new(0) };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let (film, tally) = pool.install(|| {
-            let (mut film, mut tally) = (Film::new(5, 1.0), 0);
-            let observe: &mut Observer<1, usize> = &mut |at, film, _| {
-                assert_eq!(at.rounds, film.rounds());
+        let mut sums = Accumulated::new(Film::new(5, 1.0));
+        pool.install(|| {
+            let observe: &mut Observer<1, u64> = &mut |at, sums| {
+                assert_eq!(at.rounds, sums.film().rounds());
                 if at.rounds >= most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let _ = render(&lamps, 0..40, &mut film, &mut tally, observe);
-            (film, tally)
+            let _ = render(&lamps, 0..40, &mut sums, observe);
         });
-        let pixels = (0..5).map(|i| film.pixel(i)[0].mean).collect();
-        (pixels, film.rounds(), tally, lamps.most.into_inner())
+        let pixels = (0..5).map(|i| sums.film().pixel(i)[0].mean).collect();
+        (pixels, sums.film().rounds(), *sums.tally(), lamps.most.into_inner())
     }
 
     #[test]
@@ -252,7 +252,7 @@ mod tests {
         for tasks in [(|_| 1) as fn(u64) -> usize, |r| r as usize % 4, |_| 1000, |_| 0] {
             let alone = rendered(tasks, 1, 40, 0);
             assert_eq!(alone.1, 40);
-            assert_eq!(alone.2, (0..40).map(tasks).sum());
+            assert_eq!(alone.2, (0..40).map(tasks).sum::<usize>() as u64);
             for threads in [2, 8, 32] {
                 assert_eq!(rendered(tasks, threads, 40, 0).0, alone.0);
             }
@@ -268,7 +268,7 @@ mod tests {
     fn a_stop_drops_the_rounds_in_flight() {
         for stop in [1, 3, 17] {
             let (_, rounds, tasks, _) = rendered(|_| 2, 8, stop, 0);
-            assert_eq!((rounds, tasks), (stop, 2 * stop as usize));
+            assert_eq!((rounds, tasks), (stop, 2 * stop));
         }
     }
 }

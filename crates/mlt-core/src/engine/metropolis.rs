@@ -184,6 +184,7 @@ where
     I: Importance<P> + Sync,
 {
     type Prepared = Prepared;
+    type Task = StratumStats;
     type Tally = Tally;
 
     fn prepare(&self, round: u64) -> Prepared {
@@ -201,7 +202,7 @@ where
         2 * self.strata.iter().map(|(_, share)| share.mutations).max().unwrap_or(0).min(CHAIN_LENGTH) as usize
     }
 
-    fn run(&self, prepared: &Prepared, task: usize, deposits: &mut Deposits<C>) -> Tally {
+    fn run(&self, prepared: &Prepared, task: usize, deposits: &mut Deposits<C>) -> StratumStats {
         let before = (self.work)();
         let ChainTask { stratum, index, start, mutations } = prepared.chains[task];
         let stream = |purpose| generator(self.seed, purpose, prepared.round, stratum as u64, index);
@@ -230,18 +231,18 @@ where
         }
         stats.changed_starts = u64::from(weight != bootstrap.weight(start));
         stats.chain_work = (self.work)() - before;
-        Tally { strata: vec![stats], ..Tally::default() }
+        stats
     }
 
     fn weight(&self, _round: u64) -> u64 {
         1
     }
 
-    fn tally(&self, total: &mut Tally, prepared: &Prepared, tasks: Vec<Tally>) {
+    fn tally(&self, total: &mut Tally, prepared: &Prepared, tasks: Vec<StratumStats>) {
         total.strata.resize_with(self.strata.len(), || StratumStats::new(self.mixture.mutations().len()));
         total.mutations = self.mixture.mutations().iter().map(|mutation| mutation.name().into()).collect();
-        for (chain, tally) in prepared.chains.iter().zip(tasks) {
-            total.strata[chain.stratum].merge(&tally.strata[0]);
+        for (chain, stats) in prepared.chains.iter().zip(tasks) {
+            total.strata[chain.stratum].merge(&stats);
         }
         for (stats, bootstrap) in total.strata.iter_mut().zip(&prepared.bootstraps) {
             bootstrap.count(stats);

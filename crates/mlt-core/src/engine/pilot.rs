@@ -127,7 +127,7 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
         S: Stratum<P> + Sync,
         M: Mutation<P, S> + Sync,
         I: Importance<P> + Sync,
-        Self: Estimator<C, Prepared = Prepared, Tally = Tally>,
+        Self: Estimator<C, Prepared = Prepared, Task = StratumStats, Tally = Tally>,
     {
         let (mut tally, mut visits) = (Tally::default(), Vec::new());
         visits.resize_with(self.strata.len(), Vec::new);
@@ -240,7 +240,9 @@ pub fn events(values: impl Iterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Film, MUTATIONS_A_SAMPLE, Mixture, allocate, render, shares_by_power, uniform, with_shares};
+    use crate::engine::{
+        Accumulated, Film, MUTATIONS_A_SAMPLE, Mixture, allocate, render, shares_by_power, uniform, with_shares,
+    };
     use rand_pcg::rand_core::Rng;
     use std::ops::ControlFlow;
 
@@ -346,11 +348,11 @@ mod tests {
 
     /// Means and standard errors of the sites after many rounds with the given shares.
     fn image(exaggerated: [f64; 4], shares: &[Share]) -> Vec<(f64, f64)> {
-        let mut film = Film::<1>::new(16, 0.1);
+        let mut sums = Accumulated::new(Film::<1>::new(16, 0.1));
         with_estimator(strata(exaggerated), shares, |e| {
-            render(e, 0..200, &mut film, &mut Tally::default(), &mut |_, _, _| ControlFlow::Continue(()))
+            render(e, 0..200, &mut sums, &mut |_, _| ControlFlow::Continue(()))
         });
-        (0..16).map(|i| film.pixel(i)[0]).map(|p| (p.mean, p.stderr)).collect()
+        (0..16).map(|i| sums.film().pixel(i)[0]).map(|p| (p.mean, p.stderr)).collect()
     }
 
     fn exact(site: usize) -> f64 {

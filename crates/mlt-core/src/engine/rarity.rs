@@ -91,7 +91,7 @@ impl Rarity {
 mod tests {
     use super::*;
     use crate::engine::{
-        Film, Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, StratumStats, Tally, render, uniform,
+        Accumulated, Film, Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, StratumStats, render, uniform,
     };
     use rand_pcg::rand_core::Rng;
     use std::ops::ControlFlow;
@@ -156,8 +156,9 @@ mod tests {
         let strata = [(All { factor }, Share { mutations: 1 << 14, samples })];
         let mixture = Mixture::new(vec![Jump]);
         let metropolis = Metropolis::new(&strata, &mixture, &importance, 3).expect("a render");
-        let (mut film, mut tally) = (Film::<1>::new(1, 1.0), Tally::default());
-        render(&metropolis, 0..20, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+        let mut sums = Accumulated::new(Film::<1>::new(1, 1.0));
+        render(&metropolis, 0..20, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        let (film, tally) = sums.into_parts();
         let StratumStats { rarity, weight_sum, .. } = &tally.strata[0];
         rarity.unmet(weight_sum.value())
     }

@@ -182,7 +182,7 @@ fn bright(tally: &Tally) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::engine::{
-        Film, Metropolis, Mixture, Mutation, Path, SetupError, Share, Splat, Stratum, render, uniform,
+        Accumulated, Film, Metropolis, Mixture, Mutation, Path, SetupError, Share, Splat, Stratum, render, uniform,
     };
     use crate::engine::{Importance, with_shares};
     use rand_pcg::rand_core::Rng;
@@ -256,8 +256,9 @@ mod tests {
         let strata: Vec<_> = cells.into_iter().map(|cell| (cell, SHARE)).collect();
         let mixture = Mixture::new(vec![Nudge { most }]);
         let metropolis = Metropolis::new(&strata, &mixture, importance, 7).expect("sound");
-        let (mut film, mut tally) = (Film::new(1, 1.0), Tally::default());
-        render(&metropolis, 0..400, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+        let mut sums = Accumulated::new(Film::new(1, 1.0));
+        render(&metropolis, 0..400, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        let (film, tally) = sums.into_parts();
         (film.pixel(0)[0].mean, tally.warnings())
     }
 
@@ -300,8 +301,9 @@ mod tests {
         let strata = [(Cell::new(0.5, 1.0), SHARE)];
         let (mixture, importance) = (Mixture::new(vec![Nudge { most: 0.2 }]), |x: &X| x.0);
         let metropolis = Metropolis::new(&strata, &mixture, &importance, 7).expect("sound").partial();
-        let (mut film, mut tally) = (Film::new(1, 1.0), Tally::default());
-        render(&metropolis, 0..400, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+        let mut sums = Accumulated::new(Film::new(1, 1.0));
+        render(&metropolis, 0..400, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        let (film, tally) = sums.into_parts();
         assert_eq!(tally.warnings(), []);
     }
 
@@ -322,8 +324,9 @@ mod tests {
         let strata = [(Cell::new(0.0, 1.0), SHARE)];
         let mixture = Mixture::new(vec![Nudge { most: 1e-9 }]);
         let metropolis = Metropolis::new(&strata, &mixture, &stuck, 7).expect("sound");
-        let (mut film, mut tally) = (Film::new(1, 1.0), Tally::default());
-        render(&metropolis, 0..20, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+        let mut sums = Accumulated::new(Film::new(1, 1.0));
+        render(&metropolis, 0..20, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        let (film, tally) = sums.into_parts();
         let [warning] = &tally.warnings()[..] else { panic!("{:?}", tally.warnings()) };
         assert!(warning.kind == WarningKind::Disagreement && warning.to_string().contains("R-hat"), "{warning}");
     }
@@ -382,8 +385,9 @@ mod tests {
             let strata = [(Forgetful { drawn: AtomicU32::new(0), hidden }, SHARE)];
             let (mixture, importance) = (Mixture::new(vec![Nudge { most: 0.2 }]), |x: &X| x.0);
             let metropolis = Metropolis::new(&strata, &mixture, &importance, 7).expect("sound");
-            let (mut film, mut tally) = (Film::new(1, 1.0), Tally::default());
-            render(&metropolis, 0..50, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+            let mut sums = Accumulated::new(Film::new(1, 1.0));
+            render(&metropolis, 0..50, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+            let (film, tally) = sums.into_parts();
             tally.warnings().iter().map(|w| w.kind).collect()
         };
         assert_eq!(kinds(false), []);

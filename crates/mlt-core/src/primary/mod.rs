@@ -9,7 +9,7 @@
 //! leave it; what is met by chance elsewhere, the tracer leaves out of F.
 //!
 //! ```
-//! use mlt_core::engine::{Film, Metropolis, Mixture, Share, Splat, Tally, render, uniform};
+//! use mlt_core::engine::{Accumulated, Film, Metropolis, Mixture, Share, Splat, render, uniform};
 //! use mlt_core::primary::{Output, PrimaryImportance, PrimaryMutation, PrimaryStratum, Streams, Tracer};
 //! use std::ops::ControlFlow;
 //!
@@ -42,8 +42,9 @@
 //! let strata = [(PrimaryStratum { tracer: Squares, power: 1.0 }, Share { mutations: 1000, samples: 250 })];
 //! let mixture = Mixture::new(PrimaryMutation::both(0.3));
 //! let metropolis = Metropolis::new(&strata, &mixture, &PrimaryImportance, 1)?;
-//! let (mut film, mut tally) = (Film::new(2, 1.0), Tally::default());
-//! render(&metropolis, 0..100, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+//! let mut sums = Accumulated::new(Film::new(2, 1.0));
+//! render(&metropolis, 0..100, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+//! let (film, tally) = sums.into_parts();
 //! let [pixel] = film.pixel(0);
 //! assert!((pixel.mean - 1.0 / 3.0).abs() < 4.0 * pixel.stderr && pixel.stderr < 0.01);
 //! # Ok::<(), mlt_core::engine::SetupError>(())

@@ -1,6 +1,8 @@
 use super::*;
 use crate::check::{self, Law, Report, Trials};
-use crate::engine::{Film, Metropolis, Mixture, Mutation, Purpose, Share, Splat, Tally, generator, render, uniform};
+use crate::engine::{
+    Accumulated, Film, Metropolis, Mixture, Mutation, Purpose, Share, Splat, generator, render, uniform,
+};
 use rand_pcg::rand_core::Rng;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -98,8 +100,9 @@ fn largest_z(cuts: &[f64], factor: f64) -> f64 {
     let share = Share { mutations: 40, samples: 8 };
     let strata: Vec<_> = strata.into_iter().map(|stratum| (stratum, share)).collect();
     let metropolis = Metropolis::new(&strata, &mixture, &PrimaryImportance, 5).expect("sound");
-    let (mut film, mut tally) = (Film::<1>::new(SITES as u32, 1.0), Tally::default());
-    render(&metropolis, 0..3000, &mut film, &mut tally, &mut |_, _, _| ControlFlow::Continue(()));
+    let mut sums = Accumulated::new(Film::<1>::new(SITES as u32, 1.0));
+    render(&metropolis, 0..3000, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    let (film, tally) = sums.into_parts();
     let z = |site| {
         let [pixel] = film.pixel(site);
         (pixel.mean - exact(site)) / pixel.stderr

@@ -23,7 +23,7 @@
 //! use mlt_core::glam::{DVec3, Vec3};
 //! use mlt_core::transport::bsdf::{Bsdf, Lambert};
 //! use mlt_core::transport::geometry::Mesh;
-//! use mlt_core::transport::render::{Counts, Method, Renderer, Settings};
+//! use mlt_core::transport::render::{Method, Renderer, Settings};
 //! use mlt_core::transport::scene::{CameraPose, Material, Scene, SceneDescription, View};
 //! use mlt_core::transport::{Rgb, image};
 //! use std::ops::ControlFlow;
@@ -55,10 +55,10 @@
 //!     aspect_ratio: None,
 //! }, [8, 8]);
 //! let renderer = Renderer::new(View { scene: &scene, camera: &camera }, Settings::new(Method::Path, 16.0));
-//! let (mut film, mut counts) = (renderer.film(), Counts::default());
-//! renderer.render(0..8, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
+//! let mut sums = renderer.sums();
+//! renderer.render(0..8, &mut sums, &mut |_, _| ControlFlow::Continue(()));
 //! // Form factor of parallel squares at a distance of their side, in the middle: about 0.24; the floor shows 0.5 × 3 × that.
-//! assert!((image::mean_luminance(&film).mean - 0.34).abs() < 0.05);
+//! assert!((image::mean_luminance(sums.film()).mean - 0.34).abs() < 0.05);
 //! # Ok::<(), mlt_core::transport::scene::UnusableScene>(())
 //! ```
 
@@ -75,4 +75,4 @@ pub mod scene;
 #[cfg(test)]
 mod tests;
 
-pub use colour::{Rgb, luminance};
+pub use colour::{LUMINANCE, Rgb, luminance};

@@ -1,22 +1,13 @@
-//! The image's estimated error.
+//! Luminance of a film's pixels, and its errors.
 
 use crate::engine::{Film, Pixel};
-use rayon::prelude::*;
-
-/// Half the sides of the squares around a pixel, until one of them has pixels enough.
-const RADII: [usize; 5] = [2, 3, 4, 6, 8];
-/// Pixels of equal noise that are enough to know how noisy a pixel is; they count as so many more of its rounds.
-const ENOUGH: f64 = 16.0;
-
-/// Weights of the channels in luminance, as in [`luminance`](crate::transport::luminance).
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+use crate::transport::colour::LUMINANCE;
 
 /// Luminance of a pixel's mean, and a bound on its standard error: Σ weight × error of the channels, which is exact where
 /// their errors are fully correlated.
 pub fn luminance_and_error(film: &Film<3>, pixel: usize) -> (f64, f64) {
-    let channels = film.pixel(pixel);
-    let sum = |f: fn(&Pixel) -> f64| channels.iter().zip(LUMINANCE).map(|(c, w)| w * f(c)).sum();
-    (sum(|c| c.mean), sum(|c| c.stderr))
+    let Pixel { mean, stderr } = film.weighted(pixel, LUMINANCE);
+    (mean, stderr)
 }
 
 /// Mean luminance of the image.
@@ -24,144 +15,7 @@ pub fn mean_luminance(film: &Film<3>) -> Pixel {
     film.whole(LUMINANCE)
 }
 
-/// Pixels whose squares one thread sums.
-const PIXELS_PER_SUM: u32 = 1 << 10;
-
-/// Estimated relative error of the image, √(Σ stderr² / Σ luminance²) over pixels; infinite before the second round and
-/// for a black image.
+/// Estimated relative error of the image's luminance; see [`Film::relative_error`].
 pub fn relative_error(film: &Film<3>) -> f64 {
-    let sums = |first: u32| {
-        let (mut errors, mut squares) = (0.0, 0.0);
-        for pixel in first..film.sites().min(first + PIXELS_PER_SUM) {
-            let (luminance, error) = luminance_and_error(film, pixel as usize);
-            errors += error * error;
-            squares += luminance * luminance;
-        }
-        [errors, squares]
-    };
-    let parts = film.sites().div_ceil(PIXELS_PER_SUM);
-    let parts: Vec<_> = (0..parts).into_par_iter().map(|part| sums(part * PIXELS_PER_SUM)).collect();
-    let [errors, squares] = [0, 1].map(|i| parts.iter().map(|part: &[f64; 2]| part[i]).sum::<f64>());
-    if squares > 0.0 { (errors / squares).sqrt() } else { f64::INFINITY }
-}
-
-/// Standard errors of all pixels of an image of this size, row by row and channel by channel:
-///
-/// s² = ((R − 1) v + 16 v̄)/(R − 1 + 16),
-///
-/// v being the scatter of the pixel's own R rounds and v̄ its mean over a square around the pixel. Where few rounds have met what is
-/// bright, the scatter of most pixels is too small, that of rounds which all found nothing is 0, and only some have it all. The
-/// square is the smallest of 5, 7, 9, 13 and 17 pixels a side with (Σ v)²/Σ v² ≥ 16. Both estimate the same variance where pixels are
-/// alike, so their mean does, and their maximum would be too large.
-///
-/// Sources: [Kish65], section 11.2, for the number of pixels of equal weight; [Smyth04] for the mean.
-pub fn standard_errors(film: &Film<3>, size: [u32; 2]) -> Vec<[f64; 3]> {
-    let own = |i: usize| film.pixel(i).map(|channel| channel.stderr * channel.stderr);
-    let own: Vec<_> = (0..film.sites() as usize).into_par_iter().map(own).collect();
-    let freedom = film.rounds().saturating_sub(1) as f64;
-    let shared = |i: usize| {
-        let around = mean_around(&own, size.map(|n| n as usize), i);
-        [0, 1, 2].map(|c| match own[i][c] {
-            v if v.is_finite() => ((freedom * v + ENOUGH * around[c]) / (freedom + ENOUGH)).sqrt(),
-            unknown => unknown,
-        })
-    };
-    (0..own.len()).into_par_iter().map(shared).collect()
-}
-
-/// Mean of the variances over the square around a pixel. Those that are not known do not count.
-fn mean_around(variances: &[[f64; 3]], [width, height]: [usize; 2], pixel: usize) -> [f64; 3] {
-    let (x, y) = (pixel % width, pixel / width);
-    let mut mean = [0.0; 3];
-    for radius in RADII {
-        let side = |at: usize, n: usize| at.saturating_sub(radius)..(at + radius + 1).min(n);
-        let (columns, rows) = (side(x, width), side(y, height));
-        let (mut sums, mut sum, mut squares) = ([0.0; 3], 0.0, 0.0);
-        for row in rows.clone() {
-            for variance in &variances[row * width..][columns.clone()] {
-                let known = variance.map(|v| if v.is_finite() { v } else { 0.0 });
-                let all = known[0] + known[1] + known[2];
-                sums = [sums[0] + known[0], sums[1] + known[1], sums[2] + known[2]];
-                (sum, squares) = (sum + all, squares + all * all);
-            }
-        }
-        mean = sums.map(|sum| sum / (rows.len() * columns.len()) as f64);
-        if squares > 0.0 && sum * sum >= ENOUGH * squares {
-            break;
-        }
-    }
-    mean
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::engine::{Purpose, Sink, Splat, generator, uniform};
-
-    /// Four rounds of an image of 40×40 pixels, each of which has `value(pixel, round)` in all channels.
-    fn film(value: impl Fn(u32, u32) -> f64) -> Film<3> {
-        let mut film = Film::<3>::new(1600, 1.0);
-        for round in 0..4 {
-            let mut deposits = film.deposits();
-            (0..1600).for_each(|site| deposits.deposit(Splat { site, value: [value(site, round); 3] }, 1.0));
-            film.add(&[deposits]);
-            film.close_round(u64::from(round), 1);
-        }
-        film
-    }
-
-    #[test]
-    fn a_pixel_without_light_takes_the_errors_around_it() {
-        // One pixel in five of each row and column is lit, in one round of two.
-        let film = film(|site, round| f64::from(u32::from(site % 5 == 2 && site / 40 % 5 == 2) * (round % 2)));
-        let lit = film.pixel(2 * 40 + 2)[0].stderr;
-        let errors = standard_errors(&film, [40, 40]);
-        // A square of 17 holds 9 to 16 of them, of which those near the corner hold 4.
-        let around = |pixel: usize, own: f64| ((errors[pixel][0] / lit).powi(2) * 19.0 - 3.0 * own) / 16.0;
-        let held = around(19 * 40 + 19, 0.0) * 289.0;
-        assert!((held - 9.0).abs() < 1e-6 || (held - 16.0).abs() < 1e-6, "{held}");
-        assert!((around(2 * 40 + 2, 1.0) * 121.0 - 4.0).abs() < 1e-6, "{}", around(2 * 40 + 2, 1.0) * 121.0);
-    }
-
-    #[test]
-    fn a_pixel_of_little_noise_among_many_takes_the_smallest_square_that_is_enough() {
-        // Noise of a half, but for one pixel that was lucky.
-        let film = film(|site, round| if site == 820 { 1.0 } else { f64::from(round % 2) });
-        let errors = standard_errors(&film, [40, 40]);
-        let noise = film.pixel(0)[0].stderr;
-        assert!((errors[0][0] - noise).abs() < 1e-9);
-        let expected = (16.0 / 19.0 * 24.0 / 25.0f64).sqrt();
-        assert!((errors[820][0] / noise - expected).abs() < 1e-6, "{}", errors[820][0] / noise);
-    }
-
-    /// Pixels that a round lights once in twenty times, evenly or by a law with a few large values: the mean square of the bars is
-    /// that of the errors.
-    #[test]
-    fn bars_are_as_wide_as_errors_on_average() {
-        let (mut squares, mut bars, mut largest) = (0.0, 0.0, 0.0);
-        for seed in 0..20 {
-            let value = |site: u32, round: u32| {
-                let rng = &mut generator(seed, Purpose::Image, u64::from(round), u64::from(site), 0);
-                if uniform(rng) < 0.05 { 1.0 + 3.0 * uniform(rng).powi(4) } else { 0.0 }
-            };
-            let film = film(value);
-            let shared = standard_errors(&film, [40, 40]);
-            let own: Vec<_> = (0..1600).map(|i| film.pixel(i).map(|c| c.stderr.powi(2))).collect();
-            for (i, bar) in shared.iter().enumerate() {
-                squares += (film.pixel(i)[0].mean - 0.05 * 1.6).powi(2);
-                bars += bar[0].powi(2);
-                // The negative control.
-                largest += own[i][0].max(mean_around(&own, [40, 40], i)[0]);
-            }
-        }
-        assert!((bars / squares - 1.0).abs() < 0.05, "{}", bars / squares);
-        assert!(largest / squares > 1.5, "{}", largest / squares);
-    }
-
-    #[test]
-    fn errors_that_are_not_known_stay_so_and_do_not_spread() {
-        let film = film(|site, round| if site == 820 { 1e12 } else { f64::from(round % 2) });
-        let errors = standard_errors(&film, [40, 40]);
-        assert!(errors[820][0].is_infinite() && errors[821][0].is_finite());
-    }
+    film.relative_error(LUMINANCE)
 }

@@ -4,7 +4,7 @@ use super::bidirectional::Bidirectional;
 use super::independent::ImageSampler;
 use super::settings::MOST_EDGES;
 use super::sobol::OwenSobol;
-use crate::engine::uniform_f32;
+use crate::engine::{Film, uniform_f32};
 use crate::transport::colour::luminance;
 use crate::transport::lights::LightRegion;
 use crate::transport::scene::View;
@@ -20,7 +20,12 @@ const OF_MEAN: f64 = 1e-2;
 /// The same over the brightest light, where samples find none: what they miss is fainter than that by their number.
 const OF_LIGHT: f64 = 1e-10;
 
-/// The unit of a [`Film`](crate::engine::Film) for the image of a view, from a few bidirectional samples of it.
+/// A black film for the image of a view.
+pub fn film_of(view: View) -> Film<3> {
+    Film::of_image(view.camera.size(), film_unit(view))
+}
+
+/// The unit of a [`Film`] for the image of a view, from a few bidirectional samples of it.
 ///
 /// A film tells errors of pixels from 10⁻⁸ units to 10¹⁰ units over the root of the samples, as squares have half the range of
 /// values. With a unit of a hundredth of the image's mean these are pixels of 10⁻¹⁰ of it, as where a lamp is in view and little

@@ -1,7 +1,9 @@
 //! Independent samples of the image, in rounds: path tracing and bidirectional path tracing as estimators.
 
 use super::sobol::OwenSobol;
-use crate::engine::{Deposits, Estimator, Purpose, Sink, Splat, generator, uniform_f32};
+use crate::engine::{
+    Counted, DecodeError, Deposits, Estimator, Purpose, Reader, Sink, Splat, generator, put, uniform_f32,
+};
 use crate::instructions::{InstructionSet, Work};
 use crate::transport::paths::PathEnd;
 use crate::transport::scene::rays_traced;
@@ -59,6 +61,21 @@ pub struct SampleTally {
     pub samples: u64,
     /// Rays traced.
     pub rays: u64,
+}
+
+impl Counted for SampleTally {
+    fn merge(&mut self, other: &Self) {
+        self.samples += other.samples;
+        self.rays += other.rays;
+    }
+
+    fn write(&self, to: &mut Vec<u8>) {
+        [self.samples, self.rays].into_iter().for_each(|count| put(to, count));
+    }
+
+    fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        Ok(Self { samples: from.number()?, rays: from.number()? })
+    }
 }
 
 impl<T: ImageSampler, S: Selection> Independent<'_, T, S> {
@@ -131,6 +148,7 @@ pub(crate) fn point_in_pixel(pixel: u64, [w, h]: [u32; 2], rng: &mut impl Rng) -
 
 impl<T: ImageSampler, S: Selection> Estimator<3> for Independent<'_, T, S> {
     type Prepared = u64;
+    type Task = SampleTally;
     type Tally = SampleTally;
 
     fn prepare(&self, round: u64) -> u64 {
@@ -158,8 +176,7 @@ impl<T: ImageSampler, S: Selection> Estimator<3> for Independent<'_, T, S> {
     }
 
     fn tally(&self, total: &mut SampleTally, _: &u64, tasks: Vec<SampleTally>) {
-        total.samples += tasks.iter().map(|t| t.samples).sum::<u64>();
-        total.rays += tasks.iter().map(|t| t.rays).sum::<u64>();
+        tasks.iter().for_each(|task| total.merge(task));
     }
 }
 

@@ -15,10 +15,10 @@ mod sobol;
 mod target;
 
 pub use bidirectional::{Bidirectional, BidirectionalTracing};
-pub use counts::Counts;
-pub use film_unit::film_unit;
+pub use counts::{Counts, PilotCounts};
+pub use film_unit::{film_of, film_unit};
 pub use independent::{AllPaths, ImageSampler, Independent, SampleTally, Selection};
 pub use path_tracing::{PathTracer, PathTracing};
-pub use run::{Observer, Run};
+pub use run::{Observer, Run, Sums};
 pub use settings::{MOST_EDGES, Method, Settings};
 pub use sobol::OwenSobol;

@@ -1,61 +1,54 @@
-//! One call of a render: rounds added to its film and its counts.
+//! One call of a render: rounds added to its sums.
 
 use super::counts::{Counts, PilotCounts};
-use super::independent::{ImageSampler, Independent, SampleTally, Selection};
+use super::independent::{ImageSampler, Independent, Selection};
 use crate::engine::{
-    self, Estimator, Film, Importance, Metropolis, Mixture, Mutation, Outcome, Path, Progress, Share, Splat, Stratum,
-    Sum, SumTally,
+    self, Accumulated, Deposits, Estimator, Importance, Metropolis, Mixture, Mutation, Outcome, Path, Share, Splat,
+    Stratum, Sum,
 };
 use crate::transport::scene::rays_traced;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
+
+/// Sums of a render's rounds, with what they counted.
+pub type Sums = Accumulated<3, Counts>;
 
 /// Called with the state of a render; it breaks to stop it.
-pub type Observer<'a> = dyn FnMut(Progress, &Film<3>) -> ControlFlow<()> + 'a;
+pub type Observer<'a> = engine::Observer<'a, 3, Counts>;
 
 /// Rounds of one call of a render, and where they are added.
 pub struct Run<'r, 'o> {
     /// The rounds, by their numbers.
     pub rounds: Range<u64>,
-    /// The film that the rounds are added to.
-    pub film: &'r mut Film<3>,
-    /// The counts that theirs are added to.
-    pub counts: &'r mut Counts,
+    /// The sums that the rounds are added to.
+    pub sums: &'r mut Sums,
     /// Told of every round.
     pub observe: &'r mut Observer<'o>,
 }
 
 impl Run<'_, '_> {
-    /// The same after a pilot.
-    pub(super) fn after(self, pilot: PilotCounts) -> Self {
-        (self.counts.pilot_mutations, self.counts.pilot_rays) = (pilot.mutations, pilot.rays);
-        self
-    }
-
-    /// Runs chains.
-    pub(super) fn metropolis<P, S, M, I>(self, estimator: &Metropolis<P, S, M, I>) -> Outcome
+    /// Runs chains after a pilot.
+    pub(super) fn metropolis<P, S, M, I>(self, chains: &Metropolis<P, S, M, I>, pilot: PilotCounts) -> Outcome
     where
         P: Path<Splat = Splat<3>> + Send,
         S: Stratum<P> + Sync,
         M: Mutation<P, S> + Sync,
         I: Importance<P> + Sync,
     {
-        let counts = self.counts;
-        let outcome = repeat(estimator, self.rounds, self.film, &mut counts.chains, self.observe);
-        counts.rays = counts.chains.work();
-        outcome
+        self.of(Counting { estimator: chains, part: |counts| &mut counts.made.1, pilot })
     }
 
-    /// Takes independent samples.
-    pub(super) fn independent<T: ImageSampler>(self, estimator: &Independent<T>) -> Outcome {
-        let counts = self.counts;
-        let mut tally = SampleTally { samples: counts.samples, rays: counts.rays };
-        let outcome = repeat(estimator, self.rounds, self.film, &mut tally, self.observe);
-        (counts.samples, counts.rays) = (tally.samples, tally.rays);
-        outcome
+    /// Takes independent samples after a pilot.
+    pub(super) fn independent<T: ImageSampler>(self, samples: &Independent<T>, pilot: PilotCounts) -> Outcome {
+        self.of(Counting { estimator: samples, part: |counts| &mut counts.made.0, pilot })
     }
 
-    /// Takes independent samples of some paths, and runs chains over the others.
-    pub(super) fn mixture<T, A, P, S, M, I>(self, samples: Independent<T, A>, chains: Metropolis<P, S, M, I>) -> Outcome
+    /// Takes independent samples of some paths, and runs chains over the others, after a pilot.
+    pub(super) fn mixture<T, A, P, S, M, I>(
+        self,
+        samples: Independent<T, A>,
+        chains: Metropolis<P, S, M, I>,
+        pilot: PilotCounts,
+    ) -> Outcome
     where
         T: ImageSampler,
         A: Selection,
@@ -64,15 +57,50 @@ impl Run<'_, '_> {
         M: Mutation<P, S> + Sync,
         I: Importance<P> + Sync,
     {
-        let counts = self.counts;
-        let tally = std::mem::take(&mut counts.chains);
-        let chain_rays = tally.work();
-        let mut tally = SumTally(SampleTally { samples: counts.samples, rays: counts.rays - chain_rays }, tally);
-        let outcome = repeat(&Sum(samples, chains.partial()), self.rounds, self.film, &mut tally, self.observe);
-        let SumTally(samples, tally) = tally;
-        (counts.samples, counts.rays) = (samples.samples, samples.rays + tally.work());
-        counts.chains = tally;
-        outcome
+        let estimator = &Sum(samples, chains.partial());
+        self.of(Counting { estimator, part: |counts| &mut counts.made, pilot })
+    }
+
+    fn of<E: Estimator<3, Tally = Counts>>(self, estimator: E) -> Outcome {
+        engine::render(&estimator, self.rounds, self.sums, self.observe)
+    }
+}
+
+/// An estimator whose counts are a part of a render's.
+struct Counting<'e, E: Estimator<3>> {
+    estimator: &'e E,
+    part: fn(&mut Counts) -> &mut E::Tally,
+    pilot: PilotCounts,
+}
+
+impl<E: Estimator<3>> Estimator<3> for Counting<'_, E> {
+    type Prepared = E::Prepared;
+    type Task = E::Task;
+    type Tally = Counts;
+
+    fn prepare(&self, round: u64) -> E::Prepared {
+        self.estimator.prepare(round)
+    }
+
+    fn tasks(&self, prepared: &E::Prepared) -> usize {
+        self.estimator.tasks(prepared)
+    }
+
+    fn task_deposits(&self) -> usize {
+        self.estimator.task_deposits()
+    }
+
+    fn run(&self, prepared: &E::Prepared, task: usize, deposits: &mut Deposits<3>) -> E::Task {
+        self.estimator.run(prepared, task, deposits)
+    }
+
+    fn weight(&self, round: u64) -> u64 {
+        self.estimator.weight(round)
+    }
+
+    fn tally(&self, total: &mut Counts, prepared: &E::Prepared, tasks: Vec<E::Task>) {
+        total.pilot = self.pilot;
+        self.estimator.tally((self.part)(total), prepared, tasks);
     }
 }
 
@@ -85,14 +113,4 @@ pub(super) fn metropolis<'s, P, S, M, I>(
 ) -> Metropolis<'s, P, S, M, I> {
     let chains = Metropolis::new(strata, mixture, importance, seed);
     chains.expect("every plan has strata, none of which gets nothing").counting(rays_traced)
-}
-
-fn repeat<E: Estimator<3>>(
-    estimator: &E,
-    rounds: Range<u64>,
-    film: &mut Film<3>,
-    tally: &mut E::Tally,
-    observe: &mut Observer,
-) -> Outcome {
-    engine::render(estimator, rounds, film, tally, &mut |progress, film, _| observe(progress, film))
 }

@@ -88,7 +88,6 @@ pub(crate) fn paired<S>(strata: Vec<S>, shares: &[Share]) -> Vec<(S, Share)> {
 mod tests {
     use super::*;
     use crate::transport::colour::Rgb;
-    use crate::transport::methods::counts::Counts;
     use crate::transport::methods::settings::{Method, Settings};
     use crate::transport::render::Renderer;
     use crate::transport::tests::worlds::{World, lambert, mirror, room};
@@ -99,10 +98,11 @@ mod tests {
         let camera = world.camera.with_size([side, side]);
         let view = View { camera: &camera, ..world.view() };
         let renderer = Renderer::new(view, Settings::new(method, 4.0));
-        let (mut film, mut counts) = (renderer.film(), Counts::default());
-        renderer.render(0..1, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
-        assert_eq!(counts.pilot_rays > 0, !view.scene.needs().specular);
-        counts.steps() as f64 / counts.chains.strata[0].samples as f64
+        let mut sums = renderer.sums();
+        renderer.render(0..1, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        let counts = sums.tally();
+        assert_eq!(counts.pilot.rays > 0, !view.scene.needs().specular);
+        counts.steps() as f64 / counts.chains().strata[0].samples as f64
     }
 
     #[test]

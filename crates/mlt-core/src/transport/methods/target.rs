@@ -1,11 +1,10 @@
 //! The importance that a render's settings choose.
 
 use super::bidirectional::BidirectionalTracing;
-use super::counts::Counts;
-use super::film_unit::film_unit;
-use super::run::Run;
+use super::film_unit::film_of;
+use super::run::{Run, Sums};
 use super::settings::{Method, Settings};
-use crate::engine::{Film, PILOT};
+use crate::engine::PILOT;
 use crate::transport::image::{PixelImportance, Target, luminance_and_error};
 use crate::transport::scene::View;
 use std::ops::ControlFlow;
@@ -25,12 +24,12 @@ pub(super) fn importance(view: View, settings: &Settings) -> PixelImportance {
 fn quick_image(view: View, settings: &Settings) -> Vec<f64> {
     let &Settings { max_edges, seed, .. } = settings;
     let quick = Settings { max_edges, seed, ..Settings::new(Method::Bidirectional, SAMPLES_OF_LEVEL) };
-    let mut film = Film::new(view.camera.pixels(), film_unit(view));
+    let mut sums = Sums::new(film_of(view));
     BidirectionalTracing::new(view, quick).render(Run {
         rounds: PILOT..PILOT + 1,
-        film: &mut film,
-        counts: &mut Counts::default(),
+        sums: &mut sums,
         observe: &mut |_, _| ControlFlow::Continue(()),
     });
-    (0..film.sites() as usize).map(|i| luminance_and_error(&film, i).0).collect()
+    let film = sums.film();
+    (0..film.sites() as usize).map(|i| luminance_and_error(film, i).0).collect()
 }

@@ -5,6 +5,7 @@ use super::path_vertex::{
     PathVertex, connectible, copy_vertices, reference, set_edge, set_emission, set_reflection, set_sensitivity,
 };
 use crate::engine::{self, Splat};
+use crate::transport::colour::LUMINANCE;
 use crate::transport::scene::{LightPoint, View};
 use glam::{DVec3, Vec2};
 use std::ops::RangeInclusive;
@@ -56,8 +57,7 @@ pub struct Luminance;
 impl engine::Importance<LightPath> for Luminance {
     #[inline]
     fn eval(&self, path: &LightPath) -> f64 {
-        let [r, g, b] = path.contribution.to_array();
-        0.2126 * r + 0.7152 * g + 0.0722 * b
+        path.contribution.dot(DVec3::from_array(LUMINANCE))
     }
 }
 

@@ -1,6 +1,6 @@
 //! A whole render: a method, its settings, and what it counted.
 
-use crate::engine::{Film, Outcome};
+use crate::engine::Outcome;
 use crate::transport::methods::auto::{Auto, Plan, Summary};
 use crate::transport::methods::metropolis::PathMetropolis;
 use crate::transport::methods::primary::{Mmlt, Pssmlt};
@@ -8,7 +8,7 @@ use crate::transport::methods::{BidirectionalTracing, PathTracing, Run};
 use crate::transport::scene::View;
 use std::ops::Range;
 
-pub use crate::transport::methods::{Counts, Method, Observer, Settings, film_unit};
+pub use crate::transport::methods::{Counts, Method, Observer, PilotCounts, Settings, Sums, film_of, film_unit};
 
 /// A method that is set up for a view.
 pub struct Renderer<'a> {
@@ -53,20 +53,14 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// A black film for this image.
-    pub fn film(&self) -> Film<3> {
-        Film::new(self.view.camera.pixels(), film_unit(self.view))
+    /// Sums without any round, for this image.
+    pub fn sums(&self) -> Sums {
+        Sums::new(film_of(self.view))
     }
 
-    /// Adds rounds to `film` and to `counts`, on the current rayon pool.
-    pub fn render(
-        &self,
-        rounds: Range<u64>,
-        film: &mut Film<3>,
-        counts: &mut Counts,
-        observe: &mut Observer,
-    ) -> Outcome {
-        let run = Run { rounds, film, counts, observe };
+    /// Adds rounds to `sums`, on the current rayon pool. Those that are in them already are left out.
+    pub fn render(&self, rounds: Range<u64>, sums: &mut Sums, observe: &mut Observer) -> Outcome {
+        let run = Run { rounds, sums, observe };
         match &self.method {
             Prepared::Auto(method) => method.render(run),
             Prepared::Metropolis(method) => method.render(run),

@@ -52,7 +52,7 @@ impl<'a> Auto<'a> {
 
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
-        let (view, region, run) = (self.view, &self.lights, run.after(self.pilot));
+        let (view, region) = (self.view, &self.lights);
         let edges = |images| self.plan.sampled_edges(images, self.settings.most_edges());
         let (max_edges, max_image_edges) = (edges(false), edges(view.scene.needs().specular));
         match self.plan.independent {
@@ -70,20 +70,21 @@ impl<'a> Auto<'a> {
     /// Chains alone.
     fn chains(&self, run: Run) -> Outcome {
         let (strata, mixture) = (self.strata(), Mixture::new(PathMutation::all(self.view)));
-        run.metropolis(&self.estimator(&strata, &mixture))
+        run.metropolis(&self.estimator(&strata, &mixture), self.pilot)
     }
 
     /// Independent samples of what is not left to chains, and chains for the rest.
     fn mixture<T: ImageSampler>(&self, sampler: &T, samples_per_pixel: f64, run: Run) -> Outcome {
         let (plan, seed) = (&self.plan, self.settings.seed);
         if plan.shares.is_empty() {
-            return run.independent(&Independent { sampler, selection: AllPaths, samples_per_pixel, seed });
+            let samples = Independent { sampler, selection: AllPaths, samples_per_pixel, seed };
+            return run.independent(&samples, self.pilot);
         }
         let kinds = plan.sampled();
         let selection = SomePaths { lights: self.view.scene.lights(), strata: &plan.strata, kinds: &kinds };
         let (strata, mixture) = (self.strata(), Mixture::new(PathMutation::all(self.view)));
         let samples = Independent { sampler, selection, samples_per_pixel, seed };
-        run.mixture(samples, self.estimator(&strata, &mixture))
+        run.mixture(samples, self.estimator(&strata, &mixture), self.pilot)
     }
 
     fn strata(&self) -> Vec<(LightStratum<'_>, Share)> {

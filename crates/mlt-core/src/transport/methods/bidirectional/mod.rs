@@ -3,6 +3,7 @@
 mod connect;
 mod sampler;
 
+use super::counts::PilotCounts;
 use super::independent::{AllPaths, Independent};
 use super::run::Run;
 use super::settings::Settings;
@@ -29,6 +30,7 @@ impl<'a> BidirectionalTracing<'a> {
     pub fn render(&self, run: Run) -> Outcome {
         let sampler = &Bidirectional { view: self.view, region: &self.lights, max_edges: self.settings.most_edges() };
         let Settings { per_pixel: samples_per_pixel, seed, .. } = self.settings;
-        run.independent(&Independent { sampler, selection: AllPaths, samples_per_pixel, seed })
+        let samples = Independent { sampler, selection: AllPaths, samples_per_pixel, seed };
+        run.independent(&samples, PilotCounts::default())
     }
 }

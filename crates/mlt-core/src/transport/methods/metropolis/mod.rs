@@ -48,6 +48,6 @@ impl<'a> PathMetropolis<'a> {
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
         let strata = paired(self.chains.strata(&self.strata), &self.shares);
-        run.after(self.pilot).metropolis(&self.chains.estimator(&strata, &self.chains.mutations()))
+        run.metropolis(&self.chains.estimator(&strata, &self.chains.mutations()), self.pilot)
     }
 }

@@ -2,6 +2,7 @@
 
 mod tracer;
 
+use super::counts::PilotCounts;
 use super::independent::{AllPaths, Independent};
 use super::run::Run;
 use super::settings::Settings;
@@ -29,6 +30,7 @@ impl<'a> PathTracing<'a> {
         let (view, light_sampler, max_edges) = (self.view, self.lights.light_sampler(), self.settings.most_edges());
         let sampler = &PathTracer { view, light_sampler, max_edges, max_image_edges: max_edges, branches: 1 };
         let Settings { per_pixel: samples_per_pixel, seed, .. } = self.settings;
-        run.independent(&Independent { sampler, selection: AllPaths, samples_per_pixel, seed })
+        let samples = Independent { sampler, selection: AllPaths, samples_per_pixel, seed };
+        run.independent(&samples, PilotCounts::default())
     }
 }

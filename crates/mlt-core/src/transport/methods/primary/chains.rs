@@ -53,7 +53,7 @@ impl<'a> PrimaryChains<'a> {
     }
 
     /// Adds rounds.
-    pub(super) fn render<P, S>(&self, strata: &[(S, Share)], large_steps: f64, run: Run) -> Outcome
+    pub(super) fn render<P, S>(&self, strata: &[(S, Share)], large_steps: f64, pilot: PilotCounts, run: Run) -> Outcome
     where
         P: Path<Splat = Splat<3>> + Send,
         S: Stratum<P> + Sync,
@@ -61,6 +61,6 @@ impl<'a> PrimaryChains<'a> {
         PrimaryImportance: Importance<P>,
     {
         let mixture = Mixture::new(PrimaryMutation::both(large_steps));
-        run.metropolis(&metropolis(strata, &mixture, &PrimaryImportance, self.settings.seed))
+        run.metropolis(&metropolis(strata, &mixture, &PrimaryImportance, self.settings.seed), pilot)
     }
 }

@@ -194,7 +194,7 @@ impl<'a> Mmlt<'a> {
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
         let strata = strata(&self.chains, &self.techniques);
-        self.chains.render(&paired(strata, &self.shares), large_steps(self.chains.pixels()), run.after(self.pilot))
+        self.chains.render(&paired(strata, &self.shares), large_steps(self.chains.pixels()), self.pilot, run)
     }
 }
 

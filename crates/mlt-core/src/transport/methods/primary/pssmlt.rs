@@ -94,7 +94,7 @@ impl<'a> Pssmlt<'a> {
 
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
-        self.chains.render(&paired(strata(&self.chains), &self.shares), LARGE_STEPS, run.after(self.pilot))
+        self.chains.render(&paired(strata(&self.chains), &self.shares), LARGE_STEPS, self.pilot, run)
     }
 }
 

@@ -1,0 +1,120 @@
+//! Sums in fixed point, which come out the same in any order.
+
+use super::{DecodeError, Reader};
+
+/// Quanta of a unit.
+const QUANTA: f64 = (1u64 << 60) as f64;
+
+/// Σ w X in 2⁻⁶⁰ units, and Σ w X² in 2⁻⁶⁰ units².
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Sums {
+    first: i128,
+    second: i128,
+}
+
+impl Sums {
+    /// Adds a value. Squares that do not fit stay at the largest integer, in any order of the values, since none is negative.
+    #[inline]
+    pub(super) fn add(&mut self, value: f64, weight: i128) {
+        if value == 0.0 {
+            return;
+        }
+        let [first, second] = [quantise(value), quantise(value * value)];
+        // Most rounds count once, and a product that stays in its range is slow.
+        let [first, second] =
+            if weight == 1 { [first, second] } else { [first, second].map(|x| x.saturating_mul(weight)) };
+        self.merge(&Self { first, second });
+    }
+
+    /// Adds others.
+    #[inline]
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.first = self.first.saturating_add(other.first);
+        self.second = self.second.saturating_add(other.second);
+    }
+
+    /// Σ w X in units.
+    pub(super) fn first(&self) -> f64 {
+        dequantise(self.first)
+    }
+
+    /// Σ w X² in units²; `None` if it left its range.
+    pub(super) fn second(&self) -> Option<f64> {
+        (self.second != i128::MAX).then(|| dequantise(self.second))
+    }
+
+    pub(super) fn write(&self, to: &mut Vec<u8>) {
+        put(to, &[self.first, self.second]);
+    }
+
+    pub(super) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        Ok(Self { first: get(from)?, second: get(from)? })
+    }
+}
+
+/// Σ w X of some channels, and Σ w X X′ of each two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Products<const C: usize> {
+    first: [i128; C],
+    second: [[i128; C]; C],
+}
+
+impl<const C: usize> Products<C> {
+    pub(super) const ZERO: Self = Self { first: [0; C], second: [[0; C]; C] };
+
+    /// Adds a value of each channel.
+    pub(super) fn add(&mut self, values: [f64; C], weight: i128) {
+        let weighted = |x: f64| quantise(x).saturating_mul(weight);
+        self.merge(&Self { first: values.map(weighted), second: values.map(|a| values.map(|b| weighted(a * b))) });
+    }
+
+    /// Adds others.
+    pub(super) fn merge(&mut self, other: &Self) {
+        let sums = self.first.iter_mut().chain(self.second.iter_mut().flatten());
+        let others = other.first.iter().chain(other.second.iter().flatten());
+        sums.zip(others).for_each(|(a, b)| *a = a.saturating_add(*b));
+    }
+
+    /// Σ w X and Σ w X² of X = Σ_c weights_c X_c, in units and units².
+    pub(super) fn of(&self, weights: [f64; C]) -> [f64; 2] {
+        let weighted = |row: &[i128; C]| row.iter().zip(weights).map(|(&x, w)| w * dequantise(x)).sum::<f64>();
+        [weighted(&self.first), self.second.iter().zip(weights).map(|(row, w)| w * weighted(row)).sum()]
+    }
+
+    pub(super) fn write(&self, to: &mut Vec<u8>) {
+        put(to, &self.first);
+        self.second.iter().for_each(|row| put(to, row));
+    }
+
+    pub(super) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        let mut products = Self::ZERO;
+        for sum in products.first.iter_mut().chain(products.second.iter_mut().flatten()) {
+            *sum = get(from)?;
+        }
+        Ok(products)
+    }
+}
+
+/// Variance that the rounding of squares may hide, units².
+pub(super) const ROUNDING: f64 = 0.5 / QUANTA;
+
+/// Nearest multiple of 2⁻⁶⁰.
+#[inline]
+fn quantise(x: f64) -> i128 {
+    let scaled = x * QUANTA;
+    // Most values fit 64 bits, whose conversion is one instruction.
+    let nearest = scaled + 0.5f64.copysign(scaled);
+    if nearest.abs() < 9.0e18 { i128::from(nearest as i64) } else { nearest as i128 }
+}
+
+fn dequantise(sum: i128) -> f64 {
+    sum as f64 / QUANTA
+}
+
+fn put(to: &mut Vec<u8>, sums: &[i128]) {
+    sums.iter().for_each(|sum| to.extend(sum.to_le_bytes()));
+}
+
+fn get(from: &mut Reader) -> Result<i128, DecodeError> {
+    from.bytes().map(i128::from_le_bytes)
+}
