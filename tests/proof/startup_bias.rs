@@ -64,6 +64,7 @@ impl Unpaired<'_> {
 
 impl Estimator<3> for Unpaired<'_> {
     type Prepared = u64;
+    type Task = ();
     type Tally = ();
 
     fn prepare(&self, round: u64) -> u64 {

@@ -114,6 +114,17 @@ pub trait Counted: Default {
     fn read(from: &mut Reader) -> Result<Self, DecodeError>;
 }
 
+/// Nothing is counted.
+impl Counted for () {
+    fn merge(&mut self, (): &Self) {}
+
+    fn write(&self, _: &mut Vec<u8>) {}
+
+    fn read(_: &mut Reader) -> Result<Self, DecodeError> {
+        Ok(())
+    }
+}
+
 /// A plain count.
 impl Counted for u64 {
     fn merge(&mut self, other: &Self) {

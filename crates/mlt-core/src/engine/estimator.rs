@@ -208,12 +208,11 @@ mod tests {
         }
 
         fn run(&self, round: &u64, task: usize, deposits: &mut Deposits<1>) -> u64 {
-            self.running.fetch_add(1, Ordering::SeqCst);
+            self.most.fetch_max(self.running.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
             let start = Instant::now();
-            while start.elapsed() < self.patience && self.running.load(Ordering::SeqCst) < 2 {
+            while start.elapsed() < self.patience && self.most.load(Ordering::SeqCst) < 2 {
                 std::thread::yield_now();
             }
-            self.most.fetch_max(self.running.load(Ordering::SeqCst), Ordering::SeqCst);
             let value = 1.0 / (1.0 + *round as f64 + 0.3 * task as f64);
             deposits.deposit(Splat { site: (*round as u32 + task as u32) % 5, value: [value] }, 1.0);
             self.running.fetch_sub(1, Ordering::SeqCst);
