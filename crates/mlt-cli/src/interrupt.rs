@@ -1,8 +1,11 @@
 //! Signals: Ctrl-C, and a limit on the size of files.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicBool, Ordering},
+use std::{
+    ops::ControlFlow,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
 };
 
 use anyhow::Context;
@@ -32,6 +35,11 @@ impl Interrupt {
         })
         .context("cannot install the handler for Ctrl-C")?;
         Ok(interrupt)
+    }
+
+    /// Breaks once the program was asked to stop.
+    pub fn go_on(&self) -> ControlFlow<()> {
+        if self.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// True once the program was asked to stop.

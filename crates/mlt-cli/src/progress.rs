@@ -34,6 +34,13 @@ impl Progress {
         self.bar.is_some()
     }
 
+    /// Says that what comes first, such as a pilot, is not done.
+    pub fn prepare(&self) {
+        if let Some(bar) = &self.bar {
+            bar.set_message("measuring");
+        }
+    }
+
     /// `rate`: units per second; `error`: relative error so far, once there is one.
     pub fn update(&self, done: u64, rate: f64, error: Option<f64>) {
         if let Some(bar) = &self.bar {

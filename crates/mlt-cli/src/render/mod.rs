@@ -1,7 +1,6 @@
 //! `mlt render`.
 
 mod blocks;
-mod ending;
 mod files;
 mod losses;
 mod plan;

@@ -2,6 +2,8 @@
 
 use std::{fmt, time::Duration};
 
+use mlt_core::engine::{Limits, TRUSTED_ROUNDS};
+
 use crate::args::{
     render::{Budget, RenderOptions},
     transport::Method,
@@ -14,8 +16,6 @@ const TIMED_ROUNDS: f64 = 16.0;
 /// Fewest rounds of samples that a time budget aims at, and half of the most: few, since well-stratified samples gain from
 /// being many in a round, but enough to tell the error, and to end within a twentieth of the time.
 const FEWEST_ROUNDS: f64 = TRUSTED_ROUNDS as f64 + 2.0;
-/// Fewest rounds whose spread is trusted to end a render.
-pub(crate) const TRUSTED_ROUNDS: u64 = 8;
 /// Most mutations a pixel of a round that nobody asked for: what an interruption may cost.
 const LARGEST_CHAINS: f64 = 64.0;
 /// The same for samples.
@@ -66,6 +66,27 @@ impl Plan {
         if self.method.mutates() { LARGEST_CHAINS } else { LARGEST_SAMPLES }
     }
 
+    /// Where the render ends.
+    pub fn limits(&self) -> Limits {
+        Limits { rounds: self.rounds, time: self.time, error: self.error }
+    }
+
+    /// The warning if the error that was asked for is not reached.
+    pub fn missed(&self, rounds: u64, error: Option<f64>) -> Option<String> {
+        let target = 100.0 * self.error?;
+        match error {
+            Some(error) if 100.0 * error <= target => None,
+            Some(error) => Some(format!(
+                "--error {target} % is not reached in {rounds} rounds: the estimated error is {:.2} %; take more rounds",
+                100.0 * error
+            )),
+            None => Some(format!(
+                "--error {target} % cannot be reached: after {rounds} rounds the image's error is still unknown, because the image \
+                 is black or some pixels are too bright"
+            )),
+        }
+    }
+
     /// The size of a round that suits the time, at `rate` mutations or samples a pixel and second.
     pub fn per_pixel_at(&self, rate: f64, time: Duration) -> f64 {
         let total = rate * time.as_secs_f64();
@@ -102,5 +123,18 @@ impl fmt::Display for Plan {
             (Some(n), Some(rounds)) => write!(f, "{} {unit} per pixel in {rounds} rounds", n * rounds as f64),
             _ => f.write_str("going on until the end is reached"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_is_missed_is_told() {
+        let plan = Plan { per_pixel: None, rounds: None, time: None, error: Some(0.02), method: Method::Pt };
+        assert!(plan.missed(64, None).expect("a sentence").contains("2 % cannot be reached"));
+        assert!(plan.missed(9, Some(0.03)).expect("a sentence").contains("is 3.00 %"));
+        assert_eq!(plan.missed(9, Some(0.02)), None);
     }
 }

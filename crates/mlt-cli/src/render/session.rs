@@ -1,20 +1,13 @@
-//! Rounds until the end.
+//! A render from options to its report.
 
 use std::time::Instant;
 
-use mlt_core::engine::{self, Film, Outcome};
-use mlt_core::transport::image::relative_error;
-use mlt_core::transport::render::{Observer, Renderer, Sums};
+use mlt_core::engine::{Ending, Film, Outcome, Watch};
+use mlt_core::transport::LUMINANCE;
+use mlt_core::transport::render::{Renderer, Sums};
 use mlt_core::transport::scene::View;
 
-use super::{
-    Plan, Setup,
-    blocks::Blocks,
-    ending::{Ending, STEPS},
-    speed::Round,
-    summary::report,
-    trust::trust,
-};
+use super::{Plan, Setup, blocks::Blocks, speed::Round, summary::report, trust::trust};
 use crate::{
     Failure,
     args::{render::RenderOptions, transport::Method},
@@ -24,6 +17,8 @@ use crate::{
     report::{Agreement, Decision, Report},
 };
 
+/// Steps of the progress bar.
+const STEPS: u64 = 1000;
 /// Bytes of a round for each of its mutations: a quarter of an independent sample, whose weight is held twice while it is gathered, and
 /// the counts of short chains.
 const BYTES_PER_MUTATION: f64 = 4.2;
@@ -44,22 +39,22 @@ pub struct Finished {
 pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Interrupt) -> Result<Finished, Failure> {
     let (start, cpu) = (Instant::now(), cpu_seconds());
     let view = View { scene: &setup.scene, camera: &setup.camera };
+    let progress = Progress::new(STEPS, options.method().unit(), options.quiet);
+    progress.prepare();
     let Round { per_pixel, time } = Round::new(options, view, &plan, interrupt);
     require_memory_for_round(options.method(), per_pixel, setup)?;
-    let session = Session {
-        options,
-        setup,
-        renderer: Renderer::new(view, options.settings(per_pixel)),
-        ending: Ending::new(plan, interrupt.clone(), start, time),
-        per_pixel,
-        start,
-    };
-    let mut sums = session.renderer.sums();
-    let outcome = session.rounds(&mut sums);
+    let go_on = || interrupt.go_on();
+    let renderer = Renderer::watched(view, options.settings(per_pixel), Watch::new(&go_on)).ok_or_else(too_early)?;
+    let ending = Ending::new(plan.limits(), LUMINANCE, start).expecting(time).showing_error(progress.is_shown());
+    let mut sums = renderer.sums();
+    let session = Session { options, setup, plan, renderer, per_pixel, start };
+    let outcome = session.renderer.render_until(&ending, options.first_round, &mut sums, &mut |at, _| {
+        progress.update((at.share * STEPS as f64) as u64, session.rate(at.rounds), at.error);
+        interrupt.go_on()
+    });
+    progress.finish();
     if sums.film().rounds() == 0 {
-        return Err(Failure::InterruptedEarly(anyhow::anyhow!(
-            "interrupted before the first round was finished; nothing is written"
-        )));
+        return Err(too_early());
     }
     let interrupted = outcome == Outcome::Stopped && interrupt.requested();
     let mut report = session.report(&sums, interrupted);
@@ -68,51 +63,22 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
     Ok(Finished { film: sums.into_parts().0, report, per_pixel })
 }
 
+fn too_early() -> Failure {
+    Failure::InterruptedEarly(anyhow::anyhow!("interrupted before the first round was finished; nothing is written"))
+}
+
 /// A render under way.
 struct Session<'a> {
     options: &'a RenderOptions,
     setup: &'a Setup,
+    plan: Plan,
     renderer: Renderer<'a>,
-    ending: Ending,
     /// Mutations or samples a pixel of one round.
     per_pixel: f64,
     start: Instant,
 }
 
 impl Session<'_> {
-    /// Makes rounds until the end, and shows progress.
-    fn rounds(&self, sums: &mut Sums) -> Outcome {
-        let progress = Progress::new(STEPS, self.options.method().unit(), self.options.quiet);
-        let (watched, mut error) = (progress.is_shown() || self.ending.needs_error(), None);
-        let mut observe = |at: engine::Progress, sums: &Sums| {
-            let (rounds, at_end) = (sums.film().rounds(), at.fraction == 0.0);
-            if watched && rounds > 1 && at_end {
-                error = Some(relative_error(sums.film())).filter(|error| error.is_finite());
-            }
-            let done = rounds as f64 + at.fraction;
-            progress.update(self.ending.share(done, error), self.rate(done), error);
-            self.ending.reached(rounds, at_end, error)
-        };
-        let outcome = self.until_the_end(sums, &mut observe);
-        progress.finish();
-        outcome
-    }
-
-    /// Makes as many rounds at a time as the ending lets begin.
-    fn until_the_end(&self, sums: &mut Sums, observe: &mut Observer) -> Outcome {
-        let mut outcome = Outcome::Complete;
-        while outcome == Outcome::Complete {
-            let done = sums.film().rounds();
-            let next = self.options.first_round.saturating_add(done);
-            let end = next.saturating_add(self.ending.next(done));
-            if end == next {
-                break;
-            }
-            outcome = self.renderer.render(next..end, sums, observe);
-        }
-        outcome
-    }
-
     /// Mutations or samples a second, after so many rounds.
     fn rate(&self, rounds: f64) -> f64 {
         rounds * self.per_pixel * f64::from(self.setup.camera.pixels()) / self.start.elapsed().as_secs_f64()
@@ -124,7 +90,7 @@ impl Session<'_> {
         let mut report = report(self.options, self.setup, film, counts);
         report.agreement = blocks.agreement().filter(|_| counts.steps() > 0);
         report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));
-        report.warnings.extend(self.ending.missed(film.rounds(), report.relative_error).filter(|_| !interrupted));
+        report.warnings.extend(self.plan.missed(film.rounds(), report.relative_error).filter(|_| !interrupted));
         report.trust = trust(film, counts, blocks, self.setup.camera.size());
         report.warnings.extend(report.trust.doubts());
         report.decision = self.renderer.decision().map(Decision::from);

@@ -1,15 +1,12 @@
 //! The round that suits a time budget.
 
-use std::{
-    ops::ControlFlow,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
-use mlt_core::engine::Outcome;
+use mlt_core::engine::{Outcome, Watch};
 use mlt_core::transport::image::Target;
 use mlt_core::transport::lights::Stratification;
 use mlt_core::transport::methods::metropolis::Weights;
-use mlt_core::transport::render::{Method, Renderer, Settings, Sums};
+use mlt_core::transport::render::{Method, Renderer, Settings};
 use mlt_core::transport::scene::View;
 
 use super::Plan;
@@ -42,18 +39,17 @@ impl Round {
 fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> Round {
     let time = plan.time.unwrap_or_default();
     let (start, enough) = (Instant::now(), time.mul_f64(0.01).min(ENOUGH));
-    let mut observe = |_, _: &Sums| match interrupt.requested() {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
-    };
+    let go_on = || interrupt.go_on();
+    let stopped = |size| Round { per_pixel: size, time: Duration::ZERO };
     let mut size = 1.0 / 64.0;
     loop {
-        let trial = Renderer::new(view, without_pilot(options.settings(size)));
+        let settings = without_pilot(options.settings(size));
+        let Some(trial) = Renderer::watched(view, settings, Watch::new(&go_on)) else { return stopped(size) };
         let done = if options.method().mutates() { size } else { size.max(1.0) };
         let rounds = rounds_of_trial(done * f64::from(view.camera.pixels()));
         let (mut sums, before) = (trial.sums(), Instant::now());
-        if trial.render(0..rounds, &mut sums, &mut observe) == Outcome::Stopped {
-            return Round { per_pixel: size, time: Duration::ZERO };
+        if trial.render(0..rounds, &mut sums, &mut |_, _| interrupt.go_on()) == Outcome::Stopped {
+            return stopped(size);
         }
         let taken = before.elapsed();
         if taken > enough || start.elapsed() > time.mul_f64(0.05) {

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use mlt_core::engine::{Film, MutationStats, Pixel, StratumStats, Tally};
+use mlt_core::engine::{Film, MutationStats, Pixel, StratumStats, TRUSTED_ROUNDS, Tally};
 use mlt_core::transport::image::{mean_luminance, relative_error};
 use mlt_core::transport::render::Counts;
 
-use super::{Setup, losses::losses, plan::TRUSTED_ROUNDS};
+use super::{Setup, losses::losses};
 use crate::{
     args::{render::RenderOptions, transport::Method},
     report::{Acceptance, Report, StratumReport, Trust},

@@ -1,11 +1,11 @@
 //! Signs that an image's error bars say too little: light that few samples or few rounds have met.
 
-use mlt_core::engine::{Film, StratumStats};
+use mlt_core::engine::{Film, StratumStats, TRUSTED_ROUNDS};
 use mlt_core::transport::image::{luminance_and_error, mean_luminance};
 use mlt_core::transport::render::Counts;
 use rayon::prelude::*;
 
-use super::{blocks::Blocks, plan::TRUSTED_ROUNDS};
+use super::blocks::Blocks;
 use crate::report::Trust;
 
 /// Share of the pixels that are the worst.

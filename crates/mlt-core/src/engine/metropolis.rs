@@ -3,7 +3,7 @@
 use super::bootstrap::{Bootstrap, SampleKey};
 use super::{
     Chain, Coverage, Deposits, Estimator, Generator, Importance, Mixture, Mutation, Path, Purpose, SetupError, Share,
-    Splat, Stratum, StratumStats, Tally, generator,
+    Splat, Stratum, StratumStats, Tally, Watch, generator,
 };
 use rayon::prelude::*;
 
@@ -103,13 +103,13 @@ where
     }
 
     /// The independent samples of all strata in a round, in blocks so that one large stratum keeps all threads busy.
-    pub(super) fn bootstraps(&self, round: u64) -> Vec<Bootstrap> {
+    pub(super) fn bootstraps(&self, round: u64, watch: Watch) -> Option<Vec<Bootstrap>> {
         let first_samples = |(j, (_, share)): (usize, &(S, Share))| {
             (0..share.samples).step_by(BOOTSTRAP_BLOCK as usize).map(move |first| (j, first))
         };
         let blocks: Vec<_> = self.strata.iter().enumerate().flat_map(first_samples).collect();
-        let weigh = |&(j, first): &(usize, u64)| self.weigh(round, j, first);
-        let mut weighed = blocks.par_iter().map(weigh).collect::<Vec<_>>().into_iter();
+        let weigh = |&(j, first): &(usize, u64)| watch.unless_stopped(|| self.weigh(round, j, first));
+        let mut weighed = blocks.par_iter().map(weigh).collect::<Option<Vec<_>>>()?.into_iter();
         let gather = |(_, share): &(S, Share)| {
             let blocks = share.samples.div_ceil(BOOTSTRAP_BLOCK) as usize;
             let (mut weights, mut coverage, mut work) = (Vec::new(), Coverage::default(), 0);
@@ -120,7 +120,14 @@ where
             }
             Bootstrap::new(weights, coverage, work)
         };
-        self.strata.iter().map(gather).collect()
+        Some(self.strata.iter().map(gather).collect())
+    }
+
+    /// A round, unless it is stopped.
+    pub(super) fn prepared(&self, round: u64, watch: Watch) -> Option<Prepared> {
+        let bootstraps = self.bootstraps(round, watch)?;
+        let chains = bootstraps.iter().enumerate().flat_map(|(j, b)| self.chains(round, j, b)).collect();
+        Some(Prepared { round, bootstraps, chains })
     }
 
     /// A block of independent samples; finds out where the states of its first one lie.
@@ -188,9 +195,7 @@ where
     type Tally = Tally;
 
     fn prepare(&self, round: u64) -> Prepared {
-        let bootstraps = self.bootstraps(round);
-        let chains = bootstraps.iter().enumerate().flat_map(|(j, b)| self.chains(round, j, b)).collect();
-        Prepared { round, bootstraps, chains }
+        self.prepared(round, Watch::NEVER).expect("nothing stops it")
     }
 
     fn tasks(&self, prepared: &Prepared) -> usize {

@@ -1,7 +1,7 @@
 //! Pilot rounds: what each stratum contributes, how noisy it is, and what that costs.
 
 use super::{
-    Deposits, Estimator, Importance, Metropolis, Mutation, Path, Share, Splat, Stratum, StratumStats, Tally,
+    Deposits, Estimator, Importance, Metropolis, Mutation, Path, Share, Splat, Stratum, StratumStats, Tally, Watch,
     metropolis::Prepared,
 };
 use rayon::prelude::*;
@@ -96,8 +96,8 @@ struct Moments {
 
 impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
     /// Σ_j V_j / Σ_j b_j², V_j being the variance of one independent sample's weight, from a round's samples that go into
-    /// no image; `None` if they found no light. And the work that they took.
-    pub fn spread(&self) -> (Option<f64>, u64)
+    /// no image; `None` if they found no light. And the work that they took. Nothing if it is stopped.
+    pub fn spread(&self, watch: Watch) -> Option<(Option<f64>, u64)>
     where
         P: Path,
         S: Stratum<P> + Sync,
@@ -106,7 +106,7 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
     {
         let mut total = [0.0; 2];
         let mut work = 0;
-        for bootstrap in self.bootstraps(SPREAD) {
+        for bootstrap in self.bootstraps(SPREAD, watch)? {
             let mut stats = StratumStats::default();
             bootstrap.count(&mut stats);
             // E[b̂²] = b² + V/m.
@@ -116,12 +116,18 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
             work += stats.sample_work;
         }
         let [variance, square] = total;
-        ((square > 0.0).then_some(variance / square), work)
+        Some(((square > 0.0).then_some(variance / square), work))
     }
 
     /// Runs rounds that go into no image, and measures. `weigh` makes the weights w from the image (sums over channels)
-    /// of these rounds.
-    pub fn pilot<const C: usize>(&self, sites: u32, rounds: Range<u64>, weigh: &dyn Fn(&[f64]) -> Vec<f64>) -> Piloted
+    /// of these rounds. Nothing if it is stopped.
+    pub fn pilot<const C: usize>(
+        &self,
+        sites: u32,
+        rounds: Range<u64>,
+        weigh: &dyn Fn(&[f64]) -> Vec<f64>,
+        watch: Watch,
+    ) -> Option<Piloted>
     where
         P: Path<Splat = Splat<C>> + Send,
         S: Stratum<P> + Sync,
@@ -133,13 +139,15 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
         visits.resize_with(self.strata.len(), Vec::new);
         let count = rounds.end.saturating_sub(rounds.start);
         for round in rounds {
-            let prepared = self.prepare(round);
+            let prepared = self.prepared(round, watch)?;
             let run = |task| {
-                let mut deposits = Deposits::new(sites, 31);
-                (self.run(&prepared, task, &mut deposits), deposits.sums())
+                watch.unless_stopped(|| {
+                    let mut deposits = Deposits::new(sites, 31);
+                    (self.run(&prepared, task, &mut deposits), deposits.sums())
+                })
             };
-            let (tallies, sums): (Vec<_>, Vec<_>) =
-                (0..self.tasks(&prepared)).into_par_iter().map(run).collect::<Vec<_>>().into_iter().unzip();
+            let tasks = (0..self.tasks(&prepared)).into_par_iter();
+            let (tallies, sums): (Vec<_>, Vec<_>) = tasks.map(run).collect::<Option<Vec<_>>>()?.into_iter().unzip();
             for (task, sums) in sums.into_iter().enumerate() {
                 let (stratum, b) = prepared.chain(task);
                 visits[stratum].extend(sums.into_iter().map(|(site, sum)| Visits { site, round, share: sum / b }));
@@ -163,7 +171,7 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
                 measure(share.mutations, stats, (visits, moments), lit_rounds(stats), &weights)
             })
             .collect();
-        Piloted { measures, images, tally }
+        Some(Piloted { measures, images, tally })
     }
 }
 
@@ -324,7 +332,9 @@ mod tests {
         let strata = strata([1.0; 4]);
         let shares = shares_by_power(&strata, MUTATIONS, MUTATIONS_A_SAMPLE);
         let weigh = |image: &[f64]| vec![1.0; image.len()];
-        let Piloted { measures, .. } = with_estimator(strata, &shares, |e| e.pilot(16, PILOT..PILOT + rounds, &weigh));
+        let Piloted { measures, .. } = with_estimator(strata, &shares, |e| {
+            e.pilot(16, PILOT..PILOT + rounds, &weigh, Watch::NEVER).expect("nothing stops it")
+        });
         let fitted = allocate(&measures, &shares, MUTATIONS, MUTATIONS_A_SAMPLE);
         (measures, fitted)
     }
@@ -339,11 +349,12 @@ mod tests {
             [sum / 1000.0, squares / 1000.0 - sum * sum / 1e6]
         };
         let of = |part: usize| (0..4).map(|j| moments(j)[part].powi(2 - part as i32)).sum::<f64>();
-        let (spread, _) = with_estimator(strata([1.0; 4]), &shares, |e| e.spread());
+        let (spread, _) =
+            with_estimator(strata([1.0; 4]), &shares, |e| e.spread(Watch::NEVER)).expect("nothing stops it");
         let (found, exact) = (spread.expect("light"), of(1) / of(0));
         assert!((found / exact - 1.0).abs() < 0.04, "{found}, exactly {exact}");
         let dark = strata([1.0; 4]).drain(1..2).collect();
-        assert_eq!(with_estimator(dark, &shares[1..2], |e| e.spread()).0, None);
+        assert_eq!(with_estimator(dark, &shares[1..2], |e| e.spread(Watch::NEVER)).map(|found| found.0), Some(None));
     }
 
     /// Means and standard errors of the sites after many rounds with the given shares.

@@ -158,7 +158,7 @@ mod tests {
         let metropolis = Metropolis::new(&strata, &mixture, &importance, 3).expect("a render");
         let mut sums = Accumulated::new(Film::<1>::new(1, 1.0));
         render(&metropolis, 0..20, &mut sums, &mut |_, _| ControlFlow::Continue(()));
-        let (film, tally) = sums.into_parts();
+        let (_, tally) = sums.into_parts();
         let StratumStats { rarity, weight_sum, .. } = &tally.strata[0];
         rarity.unmet(weight_sum.value())
     }

@@ -303,7 +303,7 @@ mod tests {
         let metropolis = Metropolis::new(&strata, &mixture, &importance, 7).expect("sound").partial();
         let mut sums = Accumulated::new(Film::new(1, 1.0));
         render(&metropolis, 0..400, &mut sums, &mut |_, _| ControlFlow::Continue(()));
-        let (film, tally) = sums.into_parts();
+        let (_, tally) = sums.into_parts();
         assert_eq!(tally.warnings(), []);
     }
 
@@ -326,7 +326,7 @@ mod tests {
         let metropolis = Metropolis::new(&strata, &mixture, &stuck, 7).expect("sound");
         let mut sums = Accumulated::new(Film::new(1, 1.0));
         render(&metropolis, 0..20, &mut sums, &mut |_, _| ControlFlow::Continue(()));
-        let (film, tally) = sums.into_parts();
+        let (_, tally) = sums.into_parts();
         let [warning] = &tally.warnings()[..] else { panic!("{:?}", tally.warnings()) };
         assert!(warning.kind == WarningKind::Disagreement && warning.to_string().contains("R-hat"), "{warning}");
     }
@@ -387,7 +387,7 @@ mod tests {
             let metropolis = Metropolis::new(&strata, &mixture, &importance, 7).expect("sound");
             let mut sums = Accumulated::new(Film::new(1, 1.0));
             render(&metropolis, 0..50, &mut sums, &mut |_, _| ControlFlow::Continue(()));
-            let (film, tally) = sums.into_parts();
+            let (_, tally) = sums.into_parts();
             tally.warnings().iter().map(|w| w.kind).collect()
         };
         assert_eq!(kinds(false), []);

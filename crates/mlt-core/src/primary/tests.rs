@@ -102,7 +102,7 @@ fn largest_z(cuts: &[f64], factor: f64) -> f64 {
     let metropolis = Metropolis::new(&strata, &mixture, &PrimaryImportance, 5).expect("sound");
     let mut sums = Accumulated::new(Film::<1>::new(SITES as u32, 1.0));
     render(&metropolis, 0..3000, &mut sums, &mut |_, _| ControlFlow::Continue(()));
-    let (film, tally) = sums.into_parts();
+    let (film, _) = sums.into_parts();
     let z = |site| {
         let [pixel] = film.pixel(site);
         (pixel.mean - exact(site)) / pixel.stderr

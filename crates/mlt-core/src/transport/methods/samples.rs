@@ -56,7 +56,7 @@ pub(crate) fn mutations_a_sample(view: View, usual: u64) -> u64 {
 }
 
 /// Shares of so many mutations by power, with independent samples as their weights' spread asks for. `spread` measures it with the
-/// samples of strata with shares, as [`Metropolis::spread`](crate::engine::Metropolis::spread) does. And the work of that.
+/// samples of strata with shares, as [`Metropolis::spread`](crate::engine::Metropolis::spread) does. And the work of that. Nothing if it is stopped.
 ///
 /// The spread of what specular surfaces make is not measured, as it lies in paths that no such measurement meets.
 pub(crate) fn fitted_shares<P, S: Stratum<P>>(
@@ -64,19 +64,19 @@ pub(crate) fn fitted_shares<P, S: Stratum<P>>(
     samples: Samples,
     strata: Vec<S>,
     mutations: f64,
-    spread: impl FnOnce(&[(S, Share)]) -> (Option<f64>, u64),
-) -> (Vec<Share>, u64) {
+    spread: impl FnOnce(&[(S, Share)]) -> Option<(Option<f64>, u64)>,
+) -> Option<(Vec<Share>, u64)> {
     let unknown = shares_by_power(&strata, mutations, mutations_a_sample(view, samples.usual));
     if view.scene.needs().specular {
-        return (unknown, 0);
+        return Some((unknown, 0));
     }
-    let (spread, work) = spread(&paired(strata, &unknown));
+    let (spread, work) = spread(&paired(strata, &unknown))?;
     let fitted = |Share { mutations, .. }: Share| {
         let n = mutations as f64;
         let samples = (n / samples.fitted(n, f64::from(view.camera.pixels()), spread)) as u64;
         Share { mutations, samples: samples.max(LEAST_SAMPLES) }
     };
-    (unknown.into_iter().map(fitted).collect(), work)
+    Some((unknown.into_iter().map(fitted).collect(), work))
 }
 
 /// Strata with the shares that were made for them.

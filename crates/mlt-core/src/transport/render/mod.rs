@@ -1,12 +1,12 @@
 //! A whole render: a method, its settings, and what it counted.
 
-use crate::engine::Outcome;
+use crate::engine::{Ending, Outcome, Standing, Watch};
 use crate::transport::methods::auto::{Auto, Plan, Summary};
 use crate::transport::methods::metropolis::PathMetropolis;
 use crate::transport::methods::primary::{Mmlt, Pssmlt};
 use crate::transport::methods::{BidirectionalTracing, PathTracing, Run};
 use crate::transport::scene::View;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 pub use crate::transport::methods::{Counts, Method, Observer, PilotCounts, Settings, Sums, film_of, film_unit};
 
@@ -29,15 +29,20 @@ enum Prepared<'a> {
 impl<'a> Renderer<'a> {
     /// Sets a render up. The pilot, if its method has one, runs here.
     pub fn new(view: View<'a>, settings: Settings) -> Self {
+        Self::watched(view, settings, Watch::NEVER).expect("nothing stops it")
+    }
+
+    /// The same with a pilot that can be stopped; then there is no renderer.
+    pub fn watched(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
         let method = match settings.method {
-            Method::Auto => Prepared::Auto(Auto::new(view, settings)),
-            Method::Metropolis => Prepared::Metropolis(PathMetropolis::new(view, settings)),
-            Method::PrimaryBidirectional => Prepared::Pssmlt(Pssmlt::new(view, settings)),
-            Method::Multiplexed => Prepared::Mmlt(Mmlt::new(view, settings)),
+            Method::Auto => Prepared::Auto(Auto::new(view, settings, watch)?),
+            Method::Metropolis => Prepared::Metropolis(PathMetropolis::new(view, settings, watch)?),
+            Method::PrimaryBidirectional => Prepared::Pssmlt(Pssmlt::new(view, settings, watch)?),
+            Method::Multiplexed => Prepared::Mmlt(Mmlt::new(view, settings, watch)?),
             Method::Bidirectional => Prepared::Bidirectional(BidirectionalTracing::new(view, settings)),
             Method::Path => Prepared::Path(PathTracing::new(view, settings)),
         };
-        Self { view, method }
+        Some(Self { view, method })
     }
 
     /// A render with [`Method::Auto`] that follows a plan of the caller's.
@@ -56,6 +61,17 @@ impl<'a> Renderer<'a> {
     /// Sums without any round, for this image.
     pub fn sums(&self) -> Sums {
         Sums::new(film_of(self.view))
+    }
+
+    /// Makes rounds from number `first` on until the end, on the current rayon pool; see [`Ending::render`].
+    pub fn render_until(
+        &self,
+        ending: &Ending<3>,
+        first: u64,
+        sums: &mut Sums,
+        observe: &mut dyn FnMut(Standing, &Sums) -> ControlFlow<()>,
+    ) -> Outcome {
+        ending.render(first, sums, &|rounds, sums, observe| self.render(rounds, sums, observe), observe)
     }
 
     /// Adds rounds to `sums`, on the current rayon pool. Those that are in them already are left out.

@@ -2,7 +2,7 @@
 
 use super::constants::{ENOUGH_PIXELS, LONG};
 use super::parts::Parts;
-use crate::engine::{PILOT, Purpose, generator};
+use crate::engine::{PILOT, Purpose, Watch, generator};
 use crate::transport::methods::independent::{ImageSampler, point_in_pixel};
 use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::scene::rays_traced;
@@ -46,12 +46,18 @@ struct Splat {
 
 impl Measured {
     /// Takes some sequences of `samples` samples in every pixel: as many as a round is to take, since the noise of
-    /// well-stratified samples does not fall like that of others.
-    pub(super) fn new<T: ImageSampler>(sampler: &T, parts: &Parts, samples: u64, seed: u64) -> Self {
+    /// well-stratified samples does not fall like that of others. Nothing if it is stopped.
+    pub(super) fn new<T: ImageSampler>(
+        sampler: &T,
+        parts: &Parts,
+        samples: u64,
+        seed: u64,
+        watch: Watch,
+    ) -> Option<Self> {
         let [w, h] = sampler.size().map(u64::from);
         let sequences = if samples < LONG { 4 } else { 2 };
-        let of_pixel = |pixel| Pixel::new(sampler, parts, pixel, [sequences, samples], seed);
-        let pixels: Vec<_> = (0..w * h).into_par_iter().map(of_pixel).collect();
+        let of_pixel = |pixel| watch.unless_stopped(|| Pixel::new(sampler, parts, pixel, [sequences, samples], seed));
+        let pixels: Vec<_> = (0..w * h).into_par_iter().map(of_pixel).collect::<Option<_>>()?;
         let (n, taken) = (sequences as f64, (samples * sequences) as f64);
         let variance = |s: &[f64; 2]| (s[1] - s[0] * s[0] / n).max(0.0) / (n - 1.0) * samples as f64;
         let sums = || pixels.iter().flat_map(|pixel| &pixel.sums);
@@ -69,7 +75,7 @@ impl Measured {
             values[(ENOUGH_PIXELS - 1).min(values.len() - 1)]
         };
         let largest = (0..parts.len()).map(largest).collect();
-        Self { parts: parts.len(), mean, variance, largest, samples: taken, work }
+        Some(Self { parts: parts.len(), mean, variance, largest, samples: taken, work })
     }
 
     /// Moments of an image with one part.

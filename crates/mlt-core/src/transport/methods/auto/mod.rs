@@ -24,7 +24,7 @@ use super::counts::PilotCounts;
 use super::metropolis::{LightStratum, PathMutation};
 use super::path_tracing::PathTracer;
 use super::samples::mutations_a_sample;
-use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, Piloted, Share, Tally};
+use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, Piloted, Share, Tally, Watch};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::{LightRegion, LightStrata, LightTree, Stratification};
 use crate::transport::scene::{View, rays_traced};
@@ -60,11 +60,12 @@ struct Pilot<'a> {
     seed: u64,
     /// Work of a round: as much as so many samples of path tracing a pixel.
     per_pixel: f64,
+    watch: Watch<'a>,
 }
 
 impl Pilot<'_> {
-    /// Measures and decides.
-    fn run(&self) -> (Plan, PilotCounts) {
+    /// Measures and decides. Nothing if it is stopped.
+    fn run(&self) -> Option<(Plan, PilotCounts)> {
         let (strata, camera) = (self.cut(), self.view.camera.with_size(self.size()));
         let (lights, view) = (self.view.scene.lights(), View { camera: &camera, ..self.view });
         let mut parts = Parts::new(lights, &strata, self.max_edges, view.scene.needs().specular);
@@ -72,12 +73,12 @@ impl Pilot<'_> {
         let parts = &parts;
         let path_space = self.open_to_chains(view, parts);
 
-        let measured = &self.independent(view, parts);
+        let measured = &self.independent(view, parts)?;
         let candidates = &Candidate::all(view, self.lights, self.max_edges, self.seed);
         let weights = &weights(measured, camera.size());
-        let (tails, sought) = self.tails(view, parts, &path_space, measured, weights);
+        let (tails, sought) = self.tails(view, parts, &path_space, measured, weights)?;
         let findings = Findings { parts, candidates, measured, weights, tails };
-        let (costs, measures, chained) = self.costs(view, &path_space, &findings);
+        let (costs, measures, chained) = self.costs(view, &path_space, &findings)?;
 
         let (decision, chains) = self.hand_out(parts, self.choose(&findings, &costs), &measures);
         let (independent, summary) =
@@ -89,7 +90,7 @@ impl Pilot<'_> {
             _ => strata,
         };
         let plan = Plan { independent, chained: chains.kinds, shares: chains.shares, summary, strata };
-        (plan, sampled + sought + chained)
+        Some((plan, sampled + sought + chained))
     }
 
     /// The strata of the parts that may be left to chains.
@@ -138,19 +139,19 @@ impl Pilot<'_> {
         view: View,
         path_space: &[LightStratum],
         findings: &Findings,
-    ) -> (Vec<Costs>, Vec<Measure>, PilotCounts) {
+    ) -> Option<(Vec<Costs>, Vec<Measure>, PilotCounts)> {
         let measure = |rounds| {
-            let (chains, tally) = self.chains(view, path_space, findings, rounds);
+            let (chains, tally) = self.chains(view, path_space, findings, rounds)?;
             let measures = chains.iter().map(|c| c.measure).collect();
-            (findings.costs(&chains), measures, PilotCounts::of(&tally))
+            Some((findings.costs(&chains), measures, PilotCounts::of(&tally)))
         };
-        let (costs, chains, first) = measure(ROUNDS);
+        let (costs, chains, first) = measure(ROUNDS)?;
         let more = self.more_rounds(view.camera.pixels());
         if more <= ROUNDS || self.choose(findings, &costs).best().chain_work == 0.0 {
-            return (costs, chains, first);
+            return Some((costs, chains, first));
         }
-        let (costs, chains, second) = measure(more);
-        (costs, chains, first + second)
+        let (costs, chains, second) = measure(more)?;
+        Some((costs, chains, first + second))
     }
 
     fn cut_is_asked_for(&self) -> bool {
@@ -177,15 +178,16 @@ impl Pilot<'_> {
         [w, h].map(|n| (n * scale).round().max(1.0) as u32)
     }
 
-    fn independent(&self, view: View, parts: &Parts) -> PerMethod<Measured> {
+    fn independent(&self, view: View, parts: &Parts) -> Option<PerMethod<Measured>> {
         let (region, light_sampler, max_edges) = (self.lights, self.lights.light_sampler(), self.max_edges);
         let samples = |n: f64| (n.max(1.0) as u64).next_power_of_two();
         let (path, bidirectional) = (samples(self.per_pixel), samples(self.per_pixel / PATHS));
         let tracer = PathTracer { view, light_sampler, max_edges, max_image_edges: max_edges, branches: 1 };
-        PerMethod {
-            path: Measured::new(&tracer, parts, path, self.seed),
-            bidirectional: Measured::new(&Bidirectional { view, region, max_edges }, parts, bidirectional, self.seed),
-        }
+        let connected = Bidirectional { view, region, max_edges };
+        Some(PerMethod {
+            path: Measured::new(&tracer, parts, path, self.seed, self.watch)?,
+            bidirectional: Measured::new(&connected, parts, bidirectional, self.seed, self.watch)?,
+        })
     }
 
     /// Rounds of chains, where it depends on them what is decided.
@@ -208,18 +210,24 @@ impl Pilot<'_> {
         strata: &[LightStratum],
         measured: &PerMethod<Measured>,
         weights: &[f64],
-    ) -> (Vec<PerMethod<Tail>>, PilotCounts) {
+    ) -> Option<(Vec<PerMethod<Tail>>, PilotCounts)> {
         let largest = |part: usize| measured.as_ref().map(|m| m.largest[part]);
         let largest: Vec<_> = parts.open_to_chains().into_iter().map(largest).collect();
-        let (importance, lights, seed) = (self.importance, self.lights, self.seed);
+        let (importance, lights, seed, watch) = (self.importance, self.lights, self.seed, self.watch);
         let mutations = ROUNDS * self.mutations(view.camera.pixels(), strata.len());
-        let tails = Tails { view, importance, lights, seed, weights };
-        let (found, spent) = tails.measure(strata, &largest, mutations);
-        (parts.of_all(found), spent)
+        let tails = Tails { view, importance, lights, seed, weights, watch };
+        let (found, spent) = tails.measure(strata, &largest, mutations)?;
+        Some((parts.of_all(found), spent))
     }
 
     /// Findings of chains in each part.
-    fn chains(&self, view: View, strata: &[LightStratum], findings: &Findings, rounds: u64) -> (Vec<Chained>, Tally) {
+    fn chains(
+        &self,
+        view: View,
+        strata: &[LightStratum],
+        findings: &Findings,
+        rounds: u64,
+    ) -> Option<(Vec<Chained>, Tally)> {
         let mutations = self.mutations(view.camera.pixels(), strata.len());
         let share = Share { mutations, samples: mutations.div_ceil(MUTATIONS_PER_SAMPLE) };
         let strata: Vec<_> = strata.iter().map(|&stratum| (stratum, share)).collect();
@@ -228,11 +236,11 @@ impl Pilot<'_> {
         let pixels = view.camera.pixels();
         let (rounds_of_pilot, weigh) = (CHAIN_PILOT..CHAIN_PILOT + rounds, |_: &[f64]| findings.weights.to_vec());
         let pilot = |chains: Metropolis<_, _, _, _>| {
-            chains.counting(rays_traced).partial().pilot(pixels, rounds_of_pilot, &weigh)
+            chains.counting(rays_traced).partial().pilot(pixels, rounds_of_pilot, &weigh, self.watch)
         };
         // Where paths may have one edge only, no part is open to chains.
         let Piloted { measures, images, tally } =
-            Metropolis::new(&strata, &mixture, importance, seed).map_or_else(|_| Piloted::default(), pilot);
+            Metropolis::new(&strata, &mixture, importance, seed).map_or_else(|_| Some(Piloted::default()), pilot)?;
         let of_image = |(part, (measure, image)): (usize, (Measure, Vec<_>))| {
             let energy = image.iter().map(|(_, value)| value).sum::<f64>() / f64::from(pixels);
             let relative = if measure.b > 0.0 { measure.b_stderr / measure.b } else { 0.0 };
@@ -250,6 +258,6 @@ impl Pilot<'_> {
         let found = open.into_iter().zip(measures.into_iter().zip(images)).map(of_image).collect();
         let mut found = findings.parts.of_all(found);
         findings.fill_in(&mut found);
-        (found, tally)
+        Some((found, tally))
     }
 }

@@ -4,7 +4,7 @@ use super::candidates::Sampler;
 use super::parts::SomePaths;
 use super::plan::{Plan, Summary};
 use super::{Pilot, PilotCounts};
-use crate::engine::{Metropolis, Mixture, Outcome, Share};
+use crate::engine::{Metropolis, Mixture, Outcome, Share, Watch};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::bidirectional::Bidirectional;
@@ -29,19 +29,20 @@ pub struct Auto<'a> {
 }
 
 impl<'a> Auto<'a> {
-    /// Finds out which part of path space is sampled how: the pilot runs here.
-    pub fn new(view: View<'a>, settings: Settings) -> Self {
-        let (importance, lights) = (importance(view, &settings), LightRegion::whole(view.scene.lights()));
+    /// Finds out which part of path space is sampled how: the pilot runs here; nothing if it is stopped.
+    pub fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
+        let (importance, lights) = (importance(view, &settings, watch)?, LightRegion::whole(view.scene.lights()));
         let (max_edges, &Settings { stratification, seed, per_pixel, .. }) = (settings.most_edges(), &settings);
         let pilot =
-            Pilot { view, importance: &importance, lights: &lights, stratification, max_edges, seed, per_pixel };
-        let (plan, pilot) = pilot.run();
-        Self { view, settings, importance, lights, plan, pilot }
+            Pilot { view, importance: &importance, lights: &lights, stratification, max_edges, seed, per_pixel, watch };
+        let (plan, pilot) = pilot.run()?;
+        Some(Self { view, settings, importance, lights, plan, pilot })
     }
 
     /// Follows a plan of the caller's.
     pub fn with_plan(view: View<'a>, settings: Settings, plan: Plan) -> Self {
-        let (importance, lights) = (importance(view, &settings), LightRegion::whole(view.scene.lights()));
+        let importance = importance(view, &settings, Watch::NEVER).expect("nothing stops it");
+        let lights = LightRegion::whole(view.scene.lights());
         Self { view, settings, importance, lights, plan, pilot: PilotCounts::default() }
     }
 

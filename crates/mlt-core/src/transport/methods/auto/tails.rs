@@ -2,7 +2,7 @@
 
 use super::constants::{CHAIN_PILOT, CHAINS, MUTATIONS_PER_SAMPLE, NEW};
 use super::per_method::PerMethod;
-use crate::engine::{Chain, Importance, Mixture, Purpose, Sink, Stratum, generator, uniform};
+use crate::engine::{Chain, Importance, Mixture, Purpose, Sink, Stratum, Watch, generator, uniform};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::counts::PilotCounts;
@@ -31,6 +31,7 @@ pub(super) struct Tails<'a> {
     pub(super) seed: u64,
     /// u, pixel by pixel.
     pub(super) weights: &'a [f64],
+    pub(super) watch: Watch<'a>,
 }
 
 /// Light of a part that a method has not met.
@@ -67,21 +68,23 @@ impl<S> Sink<S> for Nothing {
 
 impl Tails<'_> {
     /// Those of path tracing and of bidirectional path tracing in each part, `largest` being V of both, from `mutations`
-    /// of each part's chains; and what that took.
+    /// of each part's chains; and what that took. Nothing if it is stopped.
     pub(super) fn measure(
         &self,
         parts: &[LightStratum],
         largest: &[PerMethod<f64>],
         mutations: u64,
-    ) -> (Vec<PerMethod<Tail>>, PilotCounts) {
+    ) -> Option<(Vec<PerMethod<Tail>>, PilotCounts)> {
         let chains: Vec<_> = (0..parts.len() as u64 * CHAINS).collect();
         let of_chain = |&i: &u64| {
             let part = (i / CHAINS) as usize;
-            let before = rays_traced();
-            (self.of_chain(&parts[part], largest[part], i, mutations / CHAINS), rays_traced() - before)
+            self.watch.unless_stopped(|| {
+                let before = rays_traced();
+                (self.of_chain(&parts[part], largest[part], i, mutations / CHAINS), rays_traced() - before)
+            })
         };
         let (found, rays): (Vec<OfChain>, Vec<u64>) =
-            chains.par_iter().map(of_chain).collect::<Vec<_>>().into_iter().unzip();
+            chains.par_iter().map(of_chain).collect::<Option<Vec<_>>>()?.into_iter().unzip();
         let spent = PilotCounts { mutations: chains.len() as u64 * (mutations / CHAINS), rays: rays.iter().sum() };
         let mean = |of: &[OfChain]| {
             let all: f64 = of.iter().map(|chain| chain.b).sum();
@@ -93,7 +96,7 @@ impl Tails<'_> {
                 light: if all > 0.0 { light / all } else { 0.0 },
             })
         };
-        (found.chunks(CHAINS as usize).map(mean).collect(), spent)
+        Some((found.chunks(CHAINS as usize).map(mean).collect(), spent))
     }
 
     /// From one chain, which starts at one of some independent samples, drawn in proportion to its importance weight.
@@ -197,9 +200,11 @@ mod tests {
         let lights = LightStrata::new(view.scene.lights(), Stratification::None);
         let strata = LightStratum::all(&lights, view, MAX_EDGES);
         let of = |seed| {
-            let tails = Tails { view, importance: &PixelImportance::default(), lights: region, seed, weights };
-            let PerMethod { path, bidirectional } =
-                tails.measure(&strata, &[PerMethod { path: LARGEST, bidirectional: LARGEST }], 50_000).0[0];
+            let (importance, watch) = (&PixelImportance::default(), Watch::NEVER);
+            let tails = Tails { view, importance, lights: region, seed, weights, watch };
+            let largest = [PerMethod { path: LARGEST, bidirectional: LARGEST }];
+            let (found, _) = tails.measure(&strata, &largest, 50_000).expect("nothing stops it");
+            let PerMethod { path, bidirectional } = found[0];
             [path.moment, bidirectional.moment]
         };
         const SEEDS: u64 = 36;

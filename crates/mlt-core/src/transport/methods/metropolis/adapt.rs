@@ -49,7 +49,7 @@ const MUTATIONS_PER_STRATUM: f64 = 8.0 * LEAST_CHAIN as f64;
 const MOST_IN_SHORT_CHAINS: f64 = 0.25;
 
 /// Runs pilot rounds of given strata with given shares.
-pub(crate) type Measurement<'a> = dyn Fn(&LightStrata, &[Share], Range<u64>) -> (Vec<Measure>, Tally) + 'a;
+pub(crate) type Measurement<'a> = dyn Fn(&LightStrata, &[Share], Range<u64>) -> Option<(Vec<Measure>, Tally)> + 'a;
 
 /// Parts of a pilot: the settings, and a way to measure given strata with given shares.
 pub(crate) struct Pilot<'a> {
@@ -78,19 +78,19 @@ pub(crate) struct Adapted {
 
 impl Pilot<'_> {
     /// The strata asked for, with shares by power or fitted. One stratum has nothing to share.
-    pub(crate) fn run(&self, stratification: Stratification) -> Adapted {
+    pub(crate) fn run(&self, stratification: Stratification) -> Option<Adapted> {
         let mut tally = Tally::default();
         let strata = match stratification {
-            Stratification::Auto => self.refine(&mut tally),
+            Stratification::Auto => self.refine(&mut tally)?,
             _ => self.cut(stratification),
         };
         if self.adaptation.weights == Weights::Power || self.strata_of(strata.regions().len()) == 1 {
-            return Adapted { strata, shares: None, tally };
+            return Some(Adapted { strata, shares: None, tally });
         }
-        let measures = self.measure(&strata, LEVELS, &mut tally);
+        let measures = self.measure(&strata, LEVELS, &mut tally)?;
         let by_power = (self.by_power)(&strata, self.mutations);
         let shares = allocate(&measures, &by_power, self.mutations, self.mutations_a_sample);
-        Adapted { strata, shares: Some(shares), tally }
+        Some(Adapted { strata, shares: Some(shares), tally })
     }
 
     /// Strata of so many parts of the lights, without what is met by chance.
@@ -112,7 +112,7 @@ impl Pilot<'_> {
 
     /// Starts from a coarse cut by power; in each measurement halves the nodes that leave more than an average node's
     /// error at the best allocation, √(chain_error · cost), as long as there is room.
-    fn refine(&self, tally: &mut Tally) -> LightStrata {
+    fn refine(&self, tally: &mut Tally) -> Option<LightStrata> {
         let tree = LightTree::new(self.lights);
         let room = (self.mutations / (self.classes)(FINE) as f64 / MUTATIONS_PER_STRATUM) as usize;
         let most = room.clamp(1, FINE);
@@ -122,7 +122,7 @@ impl Pilot<'_> {
             if nodes.len() >= most {
                 break;
             }
-            let measures = self.measure(&strata, level, tally);
+            let measures = self.measure(&strata, level, tally)?;
             let of_nodes = measures.chunks((self.classes)(strata.regions().len())).take(nodes.len());
             let errors: Vec<_> = of_nodes.map(|m| m.iter().map(error).sum::<f64>()).collect();
             let before = nodes.len();
@@ -131,10 +131,10 @@ impl Pilot<'_> {
                 break;
             }
         }
-        LightStrata::of_cut(self.lights, &tree, &nodes, 0.0)
+        Some(LightStrata::of_cut(self.lights, &tree, &nodes, 0.0))
     }
 
-    fn measure(&self, strata: &LightStrata, level: u64, tally: &mut Tally) -> Vec<Measure> {
+    fn measure(&self, strata: &LightStrata, level: u64, tally: &mut Tally) -> Option<Vec<Measure>> {
         let mutations = (PILOT_SHARE * self.mutations).clamp(LEAST_PILOT, MOST_PILOT).min(self.mutations);
         let mut shares = (self.by_power)(strata, mutations);
         for share in &mut shares {
@@ -143,9 +143,9 @@ impl Pilot<'_> {
         }
         let first = PILOT + (level << 32);
         let rounds = first..first + self.adaptation.pilot_rounds.max(2);
-        let (measures, spent) = (self.measure)(strata, &shares, rounds);
+        let (measures, spent) = (self.measure)(strata, &shares, rounds)?;
         tally.strata.extend(spent.strata);
-        measures
+        Some(measures)
     }
 }
 

@@ -4,7 +4,7 @@ use super::adapt::{Adaptation, Adapted, Pilot, Weights};
 use super::mutate::PathMutation;
 use super::stratum::{LightStratum, with_met};
 use super::variant::Variant;
-use crate::engine::{MUTATIONS_A_SAMPLE, Metropolis, Mixture, Share, shares_by_power};
+use crate::engine::{MUTATIONS_A_SAMPLE, Metropolis, Mixture, Share, Watch, shares_by_power};
 use crate::transport::image::{PixelImportance, error_weights};
 use crate::transport::lights::{LightRegion, LightStrata};
 use crate::transport::methods::run::metropolis;
@@ -24,13 +24,13 @@ pub(super) struct PathChains<'a> {
 }
 
 impl<'a> PathChains<'a> {
-    pub(super) fn new(view: View<'a>, settings: Settings) -> Self {
-        let (importance, lights) = (importance(view, &settings), LightRegion::whole(view.scene.lights()));
-        Self { view, settings, importance, lights }
+    pub(super) fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
+        let (importance, lights) = (importance(view, &settings, watch)?, LightRegion::whole(view.scene.lights()));
+        Some(Self { view, settings, importance, lights })
     }
 
     /// The strata asked for, and their shares as far as a pilot fits them.
-    pub(super) fn adapt(&self) -> Adapted {
+    pub(super) fn adapt(&self, watch: Watch) -> Option<Adapted> {
         let (view, size) = (self.view, self.view.camera.size());
         let (max_edges, classes) = (self.settings.most_edges(), self.settings.classes);
         let weights = match self.settings.variant {
@@ -53,16 +53,17 @@ impl<'a> PathChains<'a> {
                 let shares = with_met(&strata, shares.to_vec());
                 let (strata, mixture) = (paired(strata, &shares), self.mutations());
                 let estimator = self.estimator(&strata, &mixture);
-                let found = estimator.pilot(view.camera.pixels(), rounds, &|image| error_weights(image, size));
-                (found.measures, found.tally)
+                let found =
+                    estimator.pilot(view.camera.pixels(), rounds, &|image| error_weights(image, size), watch)?;
+                Some((found.measures, found.tally))
             },
         };
         pilot.run(self.settings.stratification)
     }
 
     /// Shares of a round by power, with as many independent samples as are worth their work, and the rays that this took.
-    pub(super) fn shares_by_power(&self, parts: &LightStrata) -> (Vec<Share>, u64) {
-        let spread = |strata: &[_]| self.estimator(strata, &self.mutations()).spread();
+    pub(super) fn shares_by_power(&self, parts: &LightStrata, watch: Watch) -> Option<(Vec<Share>, u64)> {
+        let spread = |strata: &[_]| self.estimator(strata, &self.mutations()).spread(watch);
         fitted_shares(self.view, Samples::OF_PATHS, self.strata(parts), self.mutations_per_round(), spread)
     }
 

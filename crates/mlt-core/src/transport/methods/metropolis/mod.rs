@@ -10,7 +10,7 @@ use super::counts::PilotCounts;
 use super::run::Run;
 use super::samples::paired;
 use super::settings::Settings;
-use crate::engine::{Outcome, Share};
+use crate::engine::{Outcome, Share, Watch};
 use crate::transport::lights::LightStrata;
 use crate::transport::scene::View;
 use adapt::Adapted;
@@ -31,18 +31,21 @@ pub struct PathMetropolis<'a> {
 }
 
 impl<'a> PathMetropolis<'a> {
-    /// Chooses the strata and their shares. The pilot, if the settings ask for one, runs here.
-    pub fn new(view: View<'a>, settings: Settings) -> Self {
-        let chains = PathChains::new(view, settings);
-        let Adapted { strata, shares, tally } = chains.adapt();
+    /// Chooses the strata and their shares. The pilot, if the settings ask for one, runs here; nothing if it is stopped.
+    pub fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
+        let chains = PathChains::new(view, settings, watch)?;
+        let Adapted { strata, shares, tally } = chains.adapt(watch)?;
         let mut pilot = PilotCounts::of(&tally);
-        let shares = shares.unwrap_or_else(|| {
-            let (shares, rays) = chains.shares_by_power(&strata);
-            pilot.rays += rays;
-            shares
-        });
+        let shares = match shares {
+            Some(shares) => shares,
+            None => {
+                let (shares, rays) = chains.shares_by_power(&strata, watch)?;
+                pilot.rays += rays;
+                shares
+            }
+        };
         let shares = with_met(&chains.strata(&strata), shares);
-        Self { chains, strata, shares, pilot }
+        Some(Self { chains, strata, shares, pilot })
     }
 
     /// Adds rounds.

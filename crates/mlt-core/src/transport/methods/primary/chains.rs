@@ -1,7 +1,7 @@
 //! Chains of the two methods in primary sample space.
 
 use super::Part;
-use crate::engine::{Importance, Mixture, Mutation, Outcome, Path, Share, Splat, Stratum};
+use crate::engine::{Importance, Mixture, Mutation, Outcome, Path, Share, Splat, Stratum, Watch};
 use crate::primary::{PrimaryImportance, PrimaryMutation};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightStrata;
@@ -21,9 +21,9 @@ pub(super) struct PrimaryChains<'a> {
 }
 
 impl<'a> PrimaryChains<'a> {
-    pub(super) fn new(view: View<'a>, settings: Settings) -> Self {
+    pub(super) fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
         let strata = LightStrata::new(view.scene.lights(), settings.stratification);
-        Self { view, importance: importance(view, &settings), strata, settings }
+        Some(Self { view, importance: importance(view, &settings, watch)?, strata, settings })
     }
 
     /// State that the tracers share.
@@ -37,8 +37,13 @@ impl<'a> PrimaryChains<'a> {
         self.view.camera.pixels()
     }
 
-    /// Shares of a round, and what finding them took.
-    pub(super) fn shares<P, S>(&self, strata: Vec<S>, samples: Samples) -> (Vec<Share>, PilotCounts)
+    /// Shares of a round, and what finding them took; nothing if that is stopped.
+    pub(super) fn shares<P, S>(
+        &self,
+        strata: Vec<S>,
+        samples: Samples,
+        watch: Watch,
+    ) -> Option<(Vec<Share>, PilotCounts)>
     where
         P: Path,
         S: Stratum<P> + Sync,
@@ -46,10 +51,10 @@ impl<'a> PrimaryChains<'a> {
         PrimaryImportance: Importance<P>,
     {
         let mixture = Mixture::<P, S, PrimaryMutation>::new(Vec::new());
-        let spread = |strata: &[_]| metropolis(strata, &mixture, &PrimaryImportance, self.settings.seed).spread();
+        let spread = |strata: &[_]| metropolis(strata, &mixture, &PrimaryImportance, self.settings.seed).spread(watch);
         let mutations = self.settings.mutations_per_round(self.view);
-        let (shares, rays) = fitted_shares(self.view, samples, strata, mutations, spread);
-        (shares, PilotCounts { mutations: 0, rays })
+        let (shares, rays) = fitted_shares(self.view, samples, strata, mutations, spread)?;
+        Some((shares, PilotCounts { mutations: 0, rays }))
     }
 
     /// Adds rounds.

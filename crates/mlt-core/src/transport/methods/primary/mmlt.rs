@@ -6,7 +6,7 @@
 
 use super::Part;
 use super::chains::PrimaryChains;
-use crate::engine::{Importance, Outcome, Share, Splat, uniform, uniform_f32};
+use crate::engine::{Importance, Outcome, Share, Splat, Watch, uniform, uniform_f32};
 use crate::primary::{Output, PrimaryStratum, Stream, Streams, Tracer};
 use crate::transport::image::PixelImportance;
 use crate::transport::methods::counts::PilotCounts;
@@ -183,12 +183,12 @@ pub struct Mmlt<'a> {
 }
 
 impl<'a> Mmlt<'a> {
-    /// Cuts the lights and measures how many samples a round needs.
-    pub fn new(view: View<'a>, settings: Settings) -> Self {
+    /// Cuts the lights and measures how many samples a round needs; nothing if that is stopped.
+    pub fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
         let techniques = Techniques::new(settings.most_edges());
-        let chains = PrimaryChains::new(view, settings);
-        let (shares, pilot) = chains.shares(strata(&chains, &techniques), Samples::MULTIPLEXED);
-        Self { chains, techniques, shares, pilot }
+        let chains = PrimaryChains::new(view, settings, watch)?;
+        let (shares, pilot) = chains.shares(strata(&chains, &techniques), Samples::MULTIPLEXED, watch)?;
+        Some(Self { chains, techniques, shares, pilot })
     }
 
     /// Adds rounds.

@@ -4,7 +4,7 @@
 
 use super::Part;
 use super::chains::PrimaryChains;
-use crate::engine::{Importance, Outcome, Share, Splat};
+use crate::engine::{Importance, Outcome, Share, Splat, Watch};
 use crate::primary::{Output, PrimaryStratum, Streams, Tracer};
 use crate::transport::image::PixelImportance;
 use crate::transport::methods::bidirectional::Bidirectional;
@@ -85,11 +85,11 @@ pub struct Pssmlt<'a> {
 }
 
 impl<'a> Pssmlt<'a> {
-    /// Cuts the lights and measures how many samples a round needs.
-    pub fn new(view: View<'a>, settings: Settings) -> Self {
-        let chains = PrimaryChains::new(view, settings);
-        let (shares, pilot) = chains.shares(strata(&chains), Samples::BIDIRECTIONAL);
-        Self { chains, shares, pilot }
+    /// Cuts the lights and measures how many samples a round needs; nothing if that is stopped.
+    pub fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
+        let chains = PrimaryChains::new(view, settings, watch)?;
+        let (shares, pilot) = chains.shares(strata(&chains), Samples::BIDIRECTIONAL, watch)?;
+        Some(Self { chains, shares, pilot })
     }
 
     /// Adds rounds.

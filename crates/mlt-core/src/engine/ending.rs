@@ -1,0 +1,206 @@
+//! When a render ends: after some rounds, some time, or at some error.
+
+use super::{Accumulated, Counted, Observer, Outcome, Progress};
+use std::ops::{ControlFlow, Range};
+use std::time::{Duration, Instant};
+
+/// Fewest rounds whose spread is trusted to end a render.
+pub const TRUSTED_ROUNDS: u64 = 8;
+/// Rounds after which a render whose error is still unknown gives up: 8 times what it would take by itself.
+const UNKNOWN_ROUNDS: u64 = 64;
+/// Shares of the rounds that fit the time left which are begun together, at first and later: their time is known ever better.
+const IN_FLIGHT: [f64; 2] = [0.25, 0.5];
+
+/// What a render may take; what is `None` has no limit. The first limit that is reached ends it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Rounds that its sums hold in the end.
+    pub rounds: Option<u64>,
+    /// Time on the clock.
+    pub time: Option<Duration>,
+    /// Relative error to reach, estimated from at least [`TRUSTED_ROUNDS`] rounds.
+    pub error: Option<f64>,
+}
+
+/// Where a render with [`Limits`] stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Standing {
+    /// Rounds that its sums hold, with the finished share of the next one.
+    pub rounds: f64,
+    /// Estimated relative error after the last round, if it is known.
+    pub error: Option<f64>,
+    /// Share of the limit that is nearest, in [0, 1]. Errors fall as one over the square root of the work.
+    pub share: f64,
+}
+
+/// A render that makes rounds until its limits are reached.
+#[derive(Clone, Copy, Debug)]
+pub struct Ending<const C: usize> {
+    limits: Limits,
+    /// Weights of the channels in the error.
+    weights: [f64; C],
+    /// When its time began.
+    start: Instant,
+    /// Expected time of a round, as long as none is finished.
+    expected: Duration,
+    /// Whether the error is estimated where no limit asks for it.
+    shows_error: bool,
+}
+
+/// Adds the rounds of a range to sums.
+pub type Make<'a, const C: usize, T> =
+    dyn Fn(Range<u64>, &mut Accumulated<C, T>, &mut Observer<'_, C, T>) -> Outcome + 'a;
+
+/// Rounds that this render has made itself, and when it began with them.
+#[derive(Clone, Copy)]
+struct Pace {
+    since: Instant,
+    made: u64,
+}
+
+impl<const C: usize> Ending<C> {
+    /// Limits of a render whose time began at `start`; the error is that of Σ_c weights_c × channel c.
+    pub fn new(limits: Limits, weights: [f64; C], start: Instant) -> Self {
+        Self { limits, weights, start, expected: Duration::ZERO, shows_error: false }
+    }
+
+    /// The same where a round is expected to take so long, as far as time is limited.
+    #[must_use]
+    pub fn expecting(self, expected: Duration) -> Self {
+        Self { expected, ..self }
+    }
+
+    /// The same with the error estimated after each round, for whoever looks.
+    #[must_use]
+    pub fn showing_error(self, shows_error: bool) -> Self {
+        Self { shows_error, ..self }
+    }
+
+    /// Makes rounds from number `first` on until the end; those that the sums hold already count and are not made again. `make` adds
+    /// the rounds of a range, as [`render`](super::render) does, and `observe` may break before.
+    pub fn render<T: Counted>(
+        &self,
+        first: u64,
+        sums: &mut Accumulated<C, T>,
+        make: &Make<'_, C, T>,
+        observe: &mut dyn FnMut(Standing, &Accumulated<C, T>) -> ControlFlow<()>,
+    ) -> Outcome {
+        let held = sums.film().rounds();
+        let (since, mut error) = (Instant::now(), None);
+        let mut observe = |at: Progress, sums: &Accumulated<C, T>| {
+            let (rounds, at_end) = (sums.film().rounds(), at.fraction == 0.0);
+            if at_end && rounds > 1 && (self.shows_error || self.limits.error.is_some()) {
+                error = Some(sums.film().relative_error(self.weights)).filter(|error| error.is_finite());
+            }
+            let done = rounds as f64 + at.fraction;
+            observe(Standing { rounds: done, error, share: self.share(done, error) }, sums)?;
+            if at_end { self.reached(rounds, error) } else { ControlFlow::Continue(()) }
+        };
+        loop {
+            let done = sums.film().rounds();
+            let Some(next) = sums.rounds().missing(first..u64::MAX).into_iter().next() else {
+                return Outcome::Complete;
+            };
+            let begun = self.next(done, Pace { since, made: done - held });
+            let rounds = next.start..next.end.min(next.start.saturating_add(begun));
+            if rounds.is_empty() {
+                return Outcome::Complete;
+            }
+            if make(rounds, sums, &mut observe) == Outcome::Stopped {
+                return Outcome::Stopped;
+            }
+        }
+    }
+
+    /// Rounds to begin now that `done` are finished, all of which will count; 0: no more.
+    ///
+    /// A round that is expected to end half of itself too late is as good as none. So that rounds that take longer than expected do
+    /// not end far too late, most of the time left is kept for later.
+    fn next(&self, done: u64, pace: Pace) -> u64 {
+        let more = self.limits.rounds.map_or(u64::MAX, |rounds| rounds.saturating_sub(done));
+        let Some(time) = self.limits.time else { return more };
+        let round = match pace.made {
+            0 => self.expected.as_secs_f64(),
+            made => pace.since.elapsed().as_secs_f64() / made as f64,
+        };
+        let fit = time.saturating_sub(self.start.elapsed()).as_secs_f64() / round.max(1e-9);
+        let begun = (fit * IN_FLIGHT[usize::from(pace.made > 0)]).round() as u64;
+        if fit < 0.5 && done > 0 { 0 } else { begun.max(1).min(more) }
+    }
+
+    /// The share of the limit that is nearest, after `done` rounds.
+    fn share(&self, done: f64, error: Option<f64>) -> f64 {
+        let rounds = self.limits.rounds.map_or(0.0, |rounds| done / rounds as f64);
+        let time = self.limits.time.map_or(0.0, |time| self.start.elapsed().as_secs_f64() / time.as_secs_f64());
+        let error = self.limits.error.zip(error).map_or(0.0, |(target, error)| (target / error).powi(2));
+        rounds.max(time).max(error).min(1.0)
+    }
+
+    /// Breaks where the error ends the render.
+    fn reached(&self, rounds: u64, error: Option<f64>) -> ControlFlow<()> {
+        let is_done = self.limits.error.is_some_and(|target| match error {
+            Some(error) => rounds >= TRUSTED_ROUNDS && error <= target,
+            None => rounds >= UNKNOWN_ROUNDS,
+        });
+        if is_done { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Film;
+
+    fn ending(limits: Limits, ago: u64) -> Ending<1> {
+        Ending::new(limits, [1.0], Instant::now() - Duration::from_secs(ago)).expecting(Duration::from_secs(1))
+    }
+
+    #[test]
+    fn rounds_in_flight_fit_the_time_left() {
+        let limits = Limits { time: Some(Duration::from_secs(16)), ..Limits::default() };
+        let pace = |made, ago| Pace { since: Instant::now() - Duration::from_secs(ago), made };
+        assert_eq!(ending(limits, 0).next(0, pace(0, 0)), 4);
+        // 1000 rounds in no time at all: many more fit.
+        assert!(ending(limits, 0).next(1000, pace(1000, 0)) > 1000);
+        assert_eq!([4, 8, 48].map(|made| ending(limits, 15).next(made, pace(made, 12))), [0, 1, 2]);
+        // One round at least, but no more where others were held already.
+        assert_eq!([0, 3].map(|done| ending(limits, 17).next(done, pace(0, 0))), [1, 0]);
+    }
+
+    /// Rounds of 1, or of 0 and 1 in turn.
+    fn made(limits: Limits, held: &[Range<u64>], value: fn(u64) -> f64) -> (Outcome, String) {
+        let mut sums = Accumulated::<1, u64>::new(Film::new(1, 1.0));
+        let close = |sums: &mut Accumulated<1, u64>, round: u64| {
+            sums.film.round[0] = [value(round)];
+            sums.film.close_round(round, 1);
+        };
+        held.iter().cloned().flatten().for_each(|round| close(&mut sums, round));
+        let make = |rounds: Range<u64>, sums: &mut Accumulated<1, u64>, observe: &mut Observer<'_, 1, u64>| {
+            for (rounds, round) in (1..).zip(rounds) {
+                close(sums, round);
+                if observe(Progress { rounds, fraction: 0.0 }, sums).is_break() {
+                    return Outcome::Stopped;
+                }
+            }
+            Outcome::Complete
+        };
+        let outcome = ending(limits, 0).render(2, &mut sums, &make, &mut |_, _| ControlFlow::Continue(()));
+        (outcome, sums.rounds().to_string())
+    }
+
+    #[test]
+    fn rounds_that_are_held_are_not_made_again() {
+        let limits = Limits { rounds: Some(9), ..Limits::default() };
+        assert_eq!(made(limits, &[], |_| 1.0), (Outcome::Complete, "2 to 10".into()));
+        assert_eq!(made(limits, &[3..5, 8..9], |_| 1.0), (Outcome::Complete, "2 to 10".into()));
+    }
+
+    #[test]
+    fn an_error_that_is_reached_or_stays_unknown_ends_the_render() {
+        let limits = |error| Limits { error: Some(error), ..Limits::default() };
+        assert_eq!(made(limits(0.02), &[], |_| 1.0), (Outcome::Stopped, "2 to 9".into()));
+        assert_eq!(made(limits(0.02), &[], |_| 0.0), (Outcome::Stopped, "2 to 65".into()));
+        // R rounds of 0 and 2 have the relative error 1/√(R − 1) with R even.
+        assert_eq!(made(limits(0.1), &[], |round| 2.0 * (round % 2) as f64), (Outcome::Stopped, "2 to 103".into()));
+    }
+}
