@@ -20,7 +20,7 @@ fn main() -> Result<(), UnusableScene> {
             square(1, 0.5, 2.0, [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]),
         ],
         materials: vec![material("floor", 0.7, 0.0), material("lamp", 0.0, 8.0)],
-        cameras: Vec::new(),
+        ..SceneDescription::default()
     };
     let pose = CameraPose {
         name: "above".into(),

@@ -219,7 +219,8 @@ mod tests {
         let glass = Bsdf::Dielectric(Dielectric { ior: 1.5, tint: Rgb::ONE });
         let material =
             Material { name: String::new(), bsdf: glass, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 };
-        let mut scene = SceneDescription { meshes: vec![mesh], materials: vec![material], cameras: Vec::new() };
+        let mut scene =
+            SceneDescription { meshes: vec![mesh], materials: vec![material], ..SceneDescription::default() };
         let mut warnings = Vec::new();
         follow_normals(&mut scene, &mut warnings);
         let mesh = &scene.meshes[0];
@@ -298,7 +299,8 @@ mod tests {
                 ..Mesh::default()
             };
             mesh.name = "lamp".to_owned();
-            let mut scene = SceneDescription { meshes: vec![mesh], materials: vec![material], cameras: Vec::new() };
+            let mut scene =
+                SceneDescription { meshes: vec![mesh], materials: vec![material], ..SceneDescription::default() };
             let mut warnings = Vec::new();
             follow_normals(&mut scene, &mut warnings);
             assert_eq!((scene.meshes[0].triangles[0] == [0, 2, 1], !warnings.is_empty()), (turned, turned));

@@ -44,7 +44,7 @@
 //! let scene = Scene::new(SceneDescription {
 //!     meshes: vec![quad(0, 0.0, [1.0, -1.0]), quad(1, 2.0, [-1.0, 1.0])], // a floor that faces up, a lamp that faces down
 //!     materials: vec![material(0.5, 0.0), material(0.0, 3.0)],
-//!     cameras: Vec::new(),
+//!     ..SceneDescription::default()
 //! })?;
 //! let camera = scene.camera(&CameraPose {
 //!     name: String::new(),

@@ -5,10 +5,12 @@ pub mod math;
 mod mesh;
 mod ray;
 mod space;
+mod sphere;
 mod vertex;
 
 pub use mesh::Mesh;
 pub use ray::{Hit, Ray};
 pub(crate) use space::Space;
-pub(crate) use vertex::ERROR_FACTOR;
-pub use vertex::{CAMERA, Vertex};
+pub(crate) use sphere::Sphere;
+pub use vertex::{CAMERA, Place, Vertex};
+pub(crate) use vertex::{ERROR_FACTOR, LIGHT};

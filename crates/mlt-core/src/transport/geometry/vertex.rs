@@ -5,6 +5,19 @@ use glam::Vec3A;
 /// `Vertex::primitive` of the camera.
 pub const CAMERA: u32 = u32::MAX;
 
+/// `Vertex::primitive` of a vertex on light number i that has no surface: `LIGHT` + i. No scene has so many triangles.
+pub(crate) const LIGHT: u32 = 1 << 31;
+
+/// What a vertex's `position` is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Place {
+    /// A point of a surface or of the lens.
+    Surface,
+    /// No point but a direction, as a unit vector from the scene: of light that comes from infinitely far away.
+    Distant,
+}
+
 /// Bound on the error of a position and of the intersection test near it, relative to the largest coordinate of the triangle
 /// that it is interpolated on, or of the position itself where it is found in f64: 16 units in the last place of f32.
 pub(crate) const ERROR_FACTOR: f32 = 16.0 * f32::EPSILON;
@@ -18,7 +31,7 @@ pub struct Vertex {
     pub geometric_normal: Vec3A,
     /// Unit interpolated normal, on the side of `geometric_normal`.
     pub shading_normal: Vec3A,
-    /// Triangle, or [`CAMERA`].
+    /// Triangle, [`CAMERA`], or a light that has no surface.
     pub primitive: u32,
     /// Index into the scene's materials; 0 for the camera.
     pub material: u32,
@@ -30,6 +43,8 @@ pub struct Vertex {
     pub emits: bool,
     /// Whether another surface may be seen in its place: see `scene::ties`.
     pub(crate) shared: bool,
+    /// What `position` is.
+    pub place: Place,
 }
 
 impl Vertex {
@@ -45,6 +60,23 @@ impl Vertex {
             delta: false,
             emits: false,
             shared: false,
+            place: Place::Surface,
+        }
+    }
+
+    /// A vertex on a distant light, in the unit direction `towards` it. It scatters as `material` does, which must be black.
+    pub(crate) fn distant(light: u32, towards: Vec3A, material: u32) -> Self {
+        Self {
+            position: towards,
+            geometric_normal: -towards,
+            shading_normal: -towards,
+            primitive: LIGHT + light,
+            material,
+            error: 0.0,
+            delta: false,
+            emits: true,
+            shared: false,
+            place: Place::Distant,
         }
     }
 
@@ -54,10 +86,29 @@ impl Vertex {
         self.primitive == CAMERA
     }
 
+    /// Whether it is a direction instead of a point.
+    #[inline]
+    pub fn is_distant(&self) -> bool {
+        self.place == Place::Distant
+    }
+
+    /// Squared length of an edge from here to `other`, as densities per solid angle are divided by it; 1 from a distant vertex,
+    /// whose own measure is solid angle.
+    #[inline(always)]
+    pub(crate) fn distance_squared(&self, other: &Self) -> f32 {
+        if self.is_distant() { 1.0 } else { self.position.distance_squared(other.position) }
+    }
+
     /// Start of a ray that leaves into `direction`: moved off the surface by the bound on the position's error, so that
     /// the ray does not meet the surface it leaves.
     #[inline]
     pub fn origin(&self, direction: Vec3A) -> Vec3A {
         self.position + self.geometric_normal * self.error.copysign(self.geometric_normal.dot(direction))
+    }
+
+    /// The ray that leaves into `direction`: its [`origin`](Self::origin) and its direction.
+    #[inline(always)]
+    pub(crate) fn ray(&self, direction: Vec3A) -> (Vec3A, Vec3A) {
+        (self.origin(direction), direction)
     }
 }

@@ -1,5 +1,6 @@
 //! Parts of the lights: what strata are cut from, and what points are drawn on.
 
+mod afar;
 mod cell;
 mod cut;
 mod region;

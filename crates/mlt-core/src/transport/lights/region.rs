@@ -59,7 +59,7 @@ impl LightRegion {
         Self::new(lights, (0..lights.lights.len() as u32).map(Cell::whole).collect())
     }
 
-    /// ∫ M dA over the region; a point's density per area is M/power.
+    /// ∫ M over the region; a point's density is M/power, in its light's measure.
     #[inline]
     pub fn power(&self) -> f64 {
         self.power
@@ -84,17 +84,17 @@ impl LightRegion {
             return 1.0;
         }
         let Some(number) = lights.number(x_0.primitive) else { return 0.0 };
-        let exitance = lights.lights[number.0 as usize].exitance();
+        let exitance = lights.lights[number.0 as usize].mean_exitance();
         self.preference_of(self.light_sampler.density(x_1, number, point), exitance)
     }
 
-    /// The same from d and M.
+    /// The same from d and M, both in the mean over the piece, as a piece's points are drawn in proportion to M.
     #[inline]
-    pub(crate) fn preference_of(&self, density: f64, exitance: f64) -> f64 {
-        if self.light_sampler.has_choice() { density * self.power / exitance } else { 1.0 }
+    pub(crate) fn preference_of(&self, density: f64, mean_exitance: f64) -> f64 {
+        if self.light_sampler.has_choice() { density * self.power / mean_exitance } else { 1.0 }
     }
 
-    /// A point with density M/power per area, from two uniform numbers; never on a cell's upper bounds.
+    /// A point with density M/power, from two uniform numbers; never on a cell's upper bounds.
     #[inline]
     pub fn sample(&self, u: f64, v: f64) -> LightPoint {
         let i = match self.cells.len() {

@@ -2,10 +2,12 @@
 //!
 //! A piece is a light's parallelogram or one triangle of a light, as far as it lies in a cell of the region that points are
 //! drawn on. The tree's nodes bound position and direction of what their parts hold; a walk from the root takes each part in
-//! proportion to a bound on the irradiance that it sends to the vertex.
+//! proportion to a bound on the irradiance that it sends to the vertex. Distant lights have no place in the tree: their bound, the same for
+//! all vertices, stands beside that of its root.
 //!
 //! Source: [ContyKulla18], "Importance Sampling of Many Lights with Adaptive Tree Splitting", section 5.
 
+use super::afar::Afar;
 use super::cell::Cell;
 use crate::transport::geometry::{Vertex, hilbert};
 use crate::transport::scene::{LightPoint, Lights, Piece};
@@ -26,6 +28,10 @@ pub struct LightSampler {
     cells: Vec<Pieces>,
     /// Place of each piece among the leaves, cell by cell.
     place: Vec<u32>,
+    /// What has no pieces.
+    afar: Afar,
+    /// Power of the pieces.
+    near_power: f64,
 }
 
 /// A cell and its pieces.
@@ -137,6 +143,8 @@ impl Node {
 impl LightSampler {
     /// Builds the tree over disjoint cells, those of a light in one run and the lights in the order of their numbers.
     pub(crate) fn new(lights: &Lights, cells: &[Cell]) -> Self {
+        let afar = Afar::of(cells, &lights.lights);
+        let near = cells.iter().filter(|cell| lights.lights[cell.light as usize].radius_around().is_none());
         let mut pieces: Vec<(u32, Piece)> = Vec::new();
         let mut add = |&cell: &Cell| {
             let (before, (first, found)) =
@@ -144,7 +152,7 @@ impl LightSampler {
             pieces.extend(found.into_iter().map(|piece| (cell.light, piece)));
             Pieces { cell, first, before }
         };
-        let cells: Vec<_> = cells.iter().map(&mut add).collect();
+        let cells: Vec<_> = near.map(&mut add).collect();
         let centres: Vec<_> = pieces.iter().map(|(_, piece)| 0.5 * (piece.low + piece.high)).collect();
         let order = hilbert::order(&centres);
         let mut place = vec![0; pieces.len()];
@@ -155,27 +163,58 @@ impl LightSampler {
             let ([low, high], light) = (piece.square, &lights.lights[id as usize]);
             let (size, last) = (high - low, DVec2::new(high.x.next_down(), high.y.next_down()));
             let share = size.x * size.y;
-            let leaf = Leaf { light: id, low, size, last, area: share * light.area };
+            let leaf = Leaf { light: id, low, size, last, area: share * light.measure };
             (leaf, Bound::of(&piece, share * light.power() / total, light.both_sides))
         };
         let (leaves, bounds): (Vec<_>, Vec<_>) = order.iter().map(leaf).unzip();
         let mut nodes = Vec::new();
-        if bounds.len() > 1 {
-            build(&bounds, &mut nodes);
+        match &bounds[..] {
+            [] => {}
+            // For its bound beside that of distant lights.
+            [only] if afar.len() > 0 => nodes.push(only.node()),
+            [_] => {}
+            _ => _ = build(&bounds, &mut nodes),
         }
-        Self { leaves, nodes, cells, place }
+        Self { leaves, nodes, cells, place, afar, near_power: total }
     }
 
     /// Whether there is more than one piece: else points are uniform over it, whatever the vertex.
     #[inline]
     pub fn has_choice(&self) -> bool {
-        self.leaves.len() > 1
+        self.leaves.len() + self.afar.len() > 1
     }
 
-    /// A point for `vertex` from two uniform numbers, and its density per area.
+    /// A point for `vertex` from two uniform numbers, and its density in its light's measure, in the mean over the piece: to be multiplied
+    /// by the point's exitance over its light's mean.
     #[inline(always)]
     pub fn sample(&self, vertex: &Vertex, u: f64, v: f64) -> (LightPoint, f64) {
-        let (place, probability, u) = if self.has_choice() { self.choose(vertex, u) } else { (0, 1.0, u) };
+        if self.afar.len() > 0 { self.sample_all(vertex, u, v) } else { self.sample_near(vertex, u, v) }
+    }
+
+    /// The same with distant lights among the others.
+    #[inline(never)]
+    fn sample_all(&self, vertex: &Vertex, u: f64, v: f64) -> (LightPoint, f64) {
+        let from_afar = self.share_from_afar(vertex);
+        let (share, (point, density)) = if u < from_afar {
+            (from_afar, self.afar.sample(u / from_afar, v))
+        } else {
+            let rest = 1.0 - from_afar;
+            (rest, self.sample_near(vertex, ((u - from_afar) / rest).min(1f64.next_down()), v))
+        };
+        (point, share * density)
+    }
+
+    /// Probability of drawing a point on a distant light.
+    fn share_from_afar(&self, vertex: &Vertex) -> f64 {
+        let Some(root) = self.nodes.first() else { return 1.0 };
+        let afar = self.afar.irradiance / self.near_power;
+        let near = f64::from(root.importance(vertex.position, vertex.shading_normal).element_sum());
+        if near.is_finite() { afar / (afar + near) } else { self.afar.power() / (self.afar.power() + self.near_power) }
+    }
+
+    #[inline(always)]
+    fn sample_near(&self, vertex: &Vertex, u: f64, v: f64) -> (LightPoint, f64) {
+        let (place, probability, u) = if self.leaves.len() > 1 { self.choose(vertex, u) } else { (0, 1.0, u) };
         let leaf = &self.leaves[place];
         (leaf.point(u, v), probability / leaf.area)
     }
@@ -198,10 +237,22 @@ impl LightSampler {
         (place, probability, u)
     }
 
-    /// The density with which [`sample`](Self::sample) draws a point, per area, given also its light and the number of its
+    /// The density that [`sample`](Self::sample) tells of a point that it draws, given also the point's light and the number of its
     /// triangle within that light; 0 for a point that is not in the region.
     #[inline]
     pub fn density(&self, vertex: &Vertex, number: (u32, u32), point: &LightPoint) -> f64 {
+        if self.afar.len() > 0 {
+            let from_afar = self.share_from_afar(vertex);
+            return match self.afar.density(point) {
+                Some(density) => from_afar * density,
+                None => (1.0 - from_afar) * self.density_near(vertex, number, point),
+            };
+        }
+        self.density_near(vertex, number, point)
+    }
+
+    #[inline]
+    fn density_near(&self, vertex: &Vertex, number: (u32, u32), point: &LightPoint) -> f64 {
         let Some(place) = self.place(number, point) else { return 0.0 };
         let (_, probability) = self.descend(vertex, |ends, _| ends.iter().filter(|&&end| place >= end).count());
         probability / self.leaves[place].area
@@ -273,6 +324,13 @@ impl Bound {
             power: a.power + b.power,
             both_sides: a.both_sides || b.both_sides,
         }
+    }
+
+    /// A node with this as its only part.
+    fn node(&self) -> Node {
+        let mut node = Node::default();
+        self.store(0, &mut node);
+        node
     }
 
     /// Writes it into a node as part `i`.
@@ -382,7 +440,7 @@ mod tests {
                         unseen += 1;
                         assert_eq!(world.scene.emitted(&source, to_vertex), Rgb::ZERO, "{vertex:?} {source:?}");
                     }
-                    let ratio = density * region.power() / light.exitance();
+                    let ratio = density * region.power() / light.mean_exitance();
                     (sum, squares) = (sum + ratio, squares + ratio * ratio);
                 }
                 let (mean, n) = (sum / f64::from(n), f64::from(n));

@@ -206,6 +206,7 @@ mod tests {
     use crate::transport::colour::Rgb;
     use crate::transport::geometry::Mesh;
     use crate::transport::scene::Material;
+    use crate::transport::scene::light::Shape;
     use glam::{DVec3, Vec3};
 
     /// A light of a mesh for each emission: a quad of side 1 by 2, or scattered triangles where `triangles` is not 0.
@@ -330,12 +331,12 @@ mod tests {
     #[test]
     fn a_cell_of_a_mesh_is_a_compact_patch() {
         let lights = lights(&[1.0], 20_000);
-        let light = &lights.lights[0];
+        let Shape::Area(mesh) = &lights.lights[0].shape else { panic!("a mesh") };
         let strata = LightStrata::new(&lights, Stratification::Count(64));
         let mut rng = generator(2, Purpose::Sample, 0, 0, 0);
         let mut spread = |region: &LightRegion| {
             let points: Vec<_> = (0..50).map(|_| region.sample(uniform(&mut rng), uniform(&mut rng))).collect();
-            let places: Vec<_> = points.iter().map(|p| light.at(p.u, p.v).1).collect();
+            let places: Vec<_> = points.iter().map(|p| mesh.at(p.u, p.v).1).collect();
             let mean = places.iter().sum::<Vec3>() / 50.0;
             places.iter().map(|p| p.distance_squared(mean)).sum::<f32>() / 50.0
         };

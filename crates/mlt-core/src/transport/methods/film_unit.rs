@@ -59,5 +59,5 @@ fn sampled(sampler: &impl ImageSampler, index: u64) -> f64 {
 /// Luminance of the brightest light.
 fn brightest(view: View) -> f64 {
     let lights = &view.scene.lights().lights;
-    f64::from(lights.iter().map(|light| luminance(light.emission)).fold(0.0, f32::max))
+    f64::from(lights.iter().map(|light| luminance(light.brightest())).fold(0.0, f32::max))
 }

@@ -1,4 +1,7 @@
-//! The straight line between two vertices of a path.
+//! The straight line between two vertices of a path, the first of which is the one towards the light.
+//!
+//! A distant light's vertex is a direction, and its measure is solid angle. Light from there is dE = L |cosθ| dω at the other end,
+//! so the edge has neither 1/d² nor a cosine of its own.
 
 use crate::transport::geometry::Vertex;
 use crate::transport::geometry::math::abs_dot;
@@ -8,7 +11,7 @@ use glam::Vec3A;
 pub(crate) struct Edge {
     /// Unit direction from the first to the second.
     pub(crate) direction: Vec3A,
-    /// τ over the squared length.
+    /// τ over the squared length; τ from a distant vertex.
     pub(crate) inverse_square: f32,
     /// |cosθ| at both ends, to the geometric normals.
     pub(crate) cosines: [f32; 2],
@@ -18,6 +21,9 @@ impl Edge {
     /// A connection; `None` if the two coincide.
     #[inline(always)]
     pub(crate) fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
+        if x.is_distant() {
+            return Some(Self::from_afar(-x.position, y));
+        }
         // Root and reciprocal do not wait for each other.
         let step = y.position - x.position;
         let square = step.length_squared();
@@ -33,8 +39,17 @@ impl Edge {
     /// surfaces it is a factor of f and of every density.
     #[inline(always)]
     pub(crate) fn along(direction: Vec3A, x: &Vertex, y: &Vertex) -> Self {
+        if x.is_distant() {
+            return Self::from_afar(direction, y);
+        }
         let square = x.position.distance_squared(y.position).max(f32::MIN_POSITIVE);
         Self::new(direction, 1.0 / square, [x, y])
+    }
+
+    /// An edge from a distant vertex.
+    #[cold]
+    fn from_afar(direction: Vec3A, y: &Vertex) -> Self {
+        Self { direction, inverse_square: 1.0, cosines: [1.0, abs_dot(y.geometric_normal, direction)] }
     }
 
     #[inline(always)]

@@ -23,9 +23,10 @@ pub struct PathVertex {
     pub geometric_term: f64,
     /// x_0: emitted radiance; x_k: W_e; between them f_s(x_{i−1} → x_i → x_{i+1}) |ω·N_s|/|ω·N_g|, ω towards x_{i−1}.
     pub scatter: Rgb,
-    /// Density per area of x_i, drawn from x_{i−1}; of x_0: M, to be divided by the power of the region it is drawn from.
+    /// Density per area of x_i, drawn from x_{i−1}; of x_0, in its light's measure: M, to be divided by the power of the region it is
+    /// drawn from.
     pub forward: f64,
-    /// Density per area of x_i, drawn from x_{i+1}; of x_k: 1.
+    /// Density per area of x_i, drawn from x_{i+1}, of a distant x_0 per solid angle; of x_k: 1.
     pub reverse: f64,
 }
 
@@ -105,7 +106,7 @@ pub(super) fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<(
     let [x, to_eye, ..] = vertices else { return None };
     let found = emission(view, &x.vertex, x.to_eye)?;
     x.scatter = found.value;
-    x.forward = view.scene.lights().of(x.vertex.primitive)?.exitance();
+    x.forward = view.scene.lights().of(x.vertex.primitive)?.exitance(found.value);
     to_eye.forward = x.per_area_there(found.pdf_to_eye);
     Some(())
 }

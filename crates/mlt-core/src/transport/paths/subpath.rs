@@ -8,7 +8,7 @@ use super::path_vertex::{PathVertex, set_edge};
 use crate::engine::{uniform, uniform_f32};
 use crate::transport::geometry::Vertex;
 use crate::transport::lights::LightRegion;
-use crate::transport::scene::{LightPoint, View};
+use crate::transport::scene::{Light, LightPoint, View};
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 
@@ -21,7 +21,8 @@ pub(crate) fn light_numbers(rng: &mut impl Rng) -> [f64; 2] {
 /// Draws x_0 on `region` by power, with density M/power per area.
 #[inline(always)]
 pub(crate) fn start_at_light(view: &View, region: &LightRegion, [u, v]: [f64; 2]) -> (PathVertex, LightPoint) {
-    start_at(view, region.sample(u, v))
+    let point = region.sample(u, v);
+    (start_at(view, &point).0, point)
 }
 
 /// Draws x_0 on `region` for x_1, with density λ M/power per area; returns λ, the region's
@@ -34,39 +35,40 @@ pub(crate) fn start_near(
     [u, v]: [f64; 2],
 ) -> (PathVertex, LightPoint, f64) {
     let (point, density) = region.light_sampler().sample(x_1, u, v);
-    let (x, point) = start_at(view, point);
-    (x, point, region.preference_of(density, x.forward))
+    let (x, light) = start_at(view, &point);
+    (x, point, region.preference_of(density, light.mean_exitance()))
 }
 
 #[inline(always)]
-fn start_at(view: &View, point: LightPoint) -> (PathVertex, LightPoint) {
-    let (light, vertex) = view.scene.light_point(&point);
+fn start_at<'a>(view: &View<'a>, point: &LightPoint) -> (PathVertex, &'a Light) {
+    let (light, vertex) = view.scene.light_point(point);
     let mut x = PathVertex::new(vertex);
-    x.forward = light.exitance();
-    (x, point)
+    x.forward = view.scene.exitance(light, &vertex);
+    (x, light)
 }
 
 /// Draws x_{i+1} from x_i, and sets the edge between them. The edge from x_{i−1} must be set.
 #[inline(always)]
 pub(crate) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
     let x = &vertices[i].vertex;
-    let direction = match i {
+    let ray = match i {
         0 => view.scene.sample_emission(x, rng),
-        _ => view.scene.surface(x).sample(-vertices[i - 1].to_eye, rng)?,
+        _ => x.ray(view.scene.surface(x).sample(-vertices[i - 1].to_eye, rng)?),
     };
-    follow_from_light(vertices, i, direction, view, rng)
+    follow_from_light(vertices, i, ray, view, rng)
 }
 
-/// Follows a direction from x_i to x_{i+1}, and sets the edge between them.
+/// Follows a ray, given by its origin and its direction, from x_i to x_{i+1}, and sets the edge between them. Light that leaves the
+/// scene lights nothing.
 #[inline(always)]
 pub(crate) fn follow_from_light(
     vertices: &mut [PathVertex],
     i: usize,
-    direction: Vec3A,
+    (origin, direction): (Vec3A, Vec3A),
     view: &View,
     rng: &mut impl Rng,
 ) -> Option<()> {
-    let (seen, passed) = view.scene.follow(&vertices[i].vertex, direction, rng)?;
+    let (seen, passed) = view.scene.follow_ray(origin, direction, rng).filter(|(seen, _)| !seen.is_distant())?;
     vertices[i + 1] = PathVertex::new(seen);
     let x = &mut vertices[i];
     set_edge(x, Edge::along(direction, &x.vertex, &seen).veiled(passed));
@@ -84,7 +86,7 @@ pub(crate) fn start_at_eye(
 ) -> Option<()> {
     let ray = view.camera.sample(film);
     let direction = ray.direction();
-    let seen = view.scene.follow_ray(ray.origin, direction, rng)?;
+    let seen = view.scene.follow_camera_ray(ray.origin, direction, rng)?;
     add_towards_light(vertices, i, direction, seen);
     Some(())
 }

@@ -1,6 +1,7 @@
 //! Description of a scene, which a loader hands to the renderer.
 
 use super::camera::CameraPose;
+use super::light::Environment;
 use super::material::Material;
 use crate::transport::geometry::Mesh;
 
@@ -13,6 +14,8 @@ pub struct SceneDescription {
     pub materials: Vec<Material>,
     /// The first one is the default; empty: the caller has to choose one.
     pub cameras: Vec<CameraPose>,
+    /// Light that comes from all around.
+    pub environment: Option<Environment>,
 }
 
 /// Name of a surface in the scene's file.

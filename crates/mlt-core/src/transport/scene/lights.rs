@@ -1,8 +1,8 @@
 //! All lights of a scene.
 
-use super::light::{Light, LightPoint};
+use super::light::{Environment, Light, LightPoint, Surroundings};
 use super::material::Material;
-use crate::transport::geometry::{Mesh, hilbert};
+use crate::transport::geometry::{LIGHT, Mesh, Sphere, hilbert};
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 
@@ -12,16 +12,19 @@ const NONE: u32 = u32::MAX;
 /// The lights, and which triangle belongs to which.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
-    /// In the order of the meshes; a mesh's parallelograms first, then the rest of it as one light.
+    /// In the order of the meshes; a mesh's parallelograms first, then the rest of it as one light. Those without a surface come last.
     pub lights: Vec<Light>,
     /// Of each triangle: its light and its number within that light.
     of_primitive: Vec<(u32, u32)>,
+    /// The environment's index.
+    environment: Option<u32>,
 }
 
 impl Lights {
     /// Finds the lights among `meshes`. `primitives` holds, mesh by mesh, the triangles as the scene keeps them.
     pub(crate) fn new(meshes: &[Mesh], materials: &[Material], primitives: &[[Vec3; 3]]) -> Self {
-        let mut lights = Self { lights: Vec::new(), of_primitive: vec![(NONE, 0); primitives.len()] };
+        let mut lights =
+            Self { lights: Vec::new(), of_primitive: vec![(NONE, 0); primitives.len()], environment: None };
         let mut first = 0;
         for mesh in meshes {
             let material = &materials[mesh.material as usize];
@@ -33,24 +36,43 @@ impl Lights {
         lights
     }
 
-    /// The light of a triangle.
-    #[inline]
-    pub fn of(&self, primitive: u32) -> Option<&Light> {
-        self.lights.get(self.of_primitive[primitive as usize].0 as usize)
+    /// With an environment around the scene.
+    pub(crate) fn surrounded(mut self, environment: Environment, sphere: Sphere) -> Self {
+        self.environment = Some(self.lights.len() as u32);
+        self.lights.push(Surroundings::light(environment, sphere));
+        self
     }
 
-    /// The light of a triangle that emits, and its number within it.
+    /// The environment's index.
+    #[inline]
+    pub(crate) fn environment(&self) -> Option<u32> {
+        self.environment
+    }
+
+    /// The light of a vertex's primitive.
+    #[inline]
+    pub fn of(&self, primitive: u32) -> Option<&Light> {
+        self.lights.get(self.place(primitive).0 as usize)
+    }
+
+    /// The light of a vertex's primitive, if that emits, and its number within it.
     #[inline]
     pub(crate) fn number(&self, primitive: u32) -> Option<(u32, u32)> {
-        let number = self.of_primitive[primitive as usize];
+        let number = self.place(primitive);
         (number.0 != NONE).then_some(number)
     }
 
-    /// The light point at `position` of a triangle that emits.
+    /// The light point at `position` of a primitive that emits.
     pub fn point(&self, primitive: u32, position: Vec3A) -> Option<LightPoint> {
-        let (light, index) = self.of_primitive[primitive as usize];
+        let (light, index) = self.place(primitive);
         let (u, v) = self.lights.get(light as usize)?.coordinates(index, position.into());
         Some(LightPoint { light, u, v })
+    }
+
+    #[inline]
+    fn place(&self, primitive: u32) -> (u32, u32) {
+        // A light without a surface is all that has no triangle.
+        self.of_primitive.get(primitive as usize).copied().unwrap_or((primitive.wrapping_sub(LIGHT), 0))
     }
 
     /// Σ power.
@@ -92,8 +114,13 @@ impl Lights {
         for (index, &p) in (0..).zip(primitives) {
             self.of_primitive[p] = (id, index);
         }
-        let area = light.area * f64::from(material.opacity);
-        self.lights.push(Light { emission: material.emission, both_sides: material.emits_both_sides, area, ..light });
+        let measure = light.measure * f64::from(material.opacity);
+        self.lights.push(Light {
+            emission: material.emission,
+            both_sides: material.emits_both_sides,
+            measure,
+            ..light
+        });
     }
 }
 

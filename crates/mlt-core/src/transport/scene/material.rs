@@ -17,3 +17,10 @@ pub struct Material {
     /// Share of the surface that is there, α ∈ [0, 1]; through the rest light goes straight on. 0: there is no surface.
     pub opacity: f32,
 }
+
+impl Material {
+    /// A surface that neither reflects nor emits.
+    pub(super) fn black() -> Self {
+        Self { name: String::new(), bsdf: Bsdf::Black, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 }
+    }
+}

@@ -12,20 +12,22 @@ mod surface;
 mod ties;
 mod veil;
 mod view;
+mod way;
 
 use crate::transport::accel::{Accel, coarse_size};
-use crate::transport::geometry::{ERROR_FACTOR, Hit, Ray, Space, Vertex};
+use crate::transport::geometry::{ERROR_FACTOR, Hit, Place, Ray, Space, Sphere, Vertex};
 use check::{check, drop_invisible, drop_unusable};
 use glam::{Vec3, Vec3A};
 use primitive::{FLAT, Primitive, primitives};
 use std::cell::Cell;
 use ties::{Surfaces, Ties};
+use way::Way;
 
 pub use camera::{Camera, CameraPose, CameraRay};
 pub use check::UnusableScene;
 pub use description::{SceneDescription, SurfaceName};
 pub(crate) use light::Piece;
-pub use light::{Light, LightPoint};
+pub use light::{Environment, Light, LightPoint};
 pub use lights::Lights;
 pub use material::Material;
 pub use needs::Needs;
@@ -40,6 +42,10 @@ pub struct Scene {
     materials: Vec<Material>,
     lights: Lights,
     space: Space,
+    /// Around all surfaces.
+    sphere: Sphere,
+    /// Whether the camera sees the environment.
+    background: bool,
     ties: Ties,
     overlaps: Vec<[SurfaceName; 2]>,
     dropped: usize,
@@ -73,8 +79,8 @@ impl Scene {
         check(&description)?;
         let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
         drop_invisible(&mut description);
+        let needs = Needs::of(&description);
         let SceneDescription { meshes, materials, .. } = &description;
-        let needs = Needs::of(meshes, materials);
         let space =
             Space::around(meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
         let (mut primitives, normals) = primitives(&description, &space);
@@ -82,8 +88,8 @@ impl Scene {
         if triangles.is_empty() {
             return Err(UnusableScene::NoTriangle);
         }
-        let lights = Lights::new(meshes, materials, &triangles);
-        if lights.lights.is_empty() {
+        let mut lights = Lights::new(meshes, materials, &triangles);
+        if lights.lights.is_empty() && !needs.environment {
             return Err(UnusableScene::NoLight);
         }
         let coarse_size = coarse_size(&triangles);
@@ -92,14 +98,35 @@ impl Scene {
         let ties = Ties::resolve(&mut primitives, materials, &mesh_of);
         let overlaps = ties.overlaps().map(|pair| pair.map(|mesh| description.surface_name(mesh))).collect();
         description.meshes = Vec::new();
+        let sphere = Sphere::around(triangles.iter().flatten().copied());
+        let SceneDescription { mut materials, environment, .. } = description;
+        let environment = environment.filter(|_| needs.environment);
+        let background = environment.as_ref().is_some_and(|environment| environment.visible);
+        if let Some(environment) = environment {
+            lights = lights.surrounded(environment, sphere);
+            materials.push(Material::black());
+        }
         let accel = Accel::new(&triangles);
-        let materials = description.materials;
-        Ok(Self { accel, primitives, normals, materials, lights, space, ties, overlaps, dropped, needs })
+        Ok(Self {
+            accel,
+            primitives,
+            normals,
+            materials,
+            lights,
+            space,
+            sphere,
+            background,
+            ties,
+            overlaps,
+            dropped,
+            needs,
+        })
     }
 
     /// A camera in this scene, for images of `size` pixels.
     pub fn camera(&self, pose: &CameraPose, size: [u32; 2]) -> Camera {
-        let lights = self.lights.lights.iter().map(|light| (light.centre(), light.area));
+        let near = self.lights.lights.iter().filter(|light| light.radius_around().is_none());
+        let lights = near.map(|light| (light.centre(), light.measure));
         Camera::new(pose, self.space.point(pose.position), size).among(lights)
     }
 
@@ -112,6 +139,12 @@ impl Scene {
     #[inline]
     pub fn needs(&self) -> Needs {
         self.needs
+    }
+
+    /// A sphere around all surfaces.
+    #[inline]
+    pub(crate) fn sphere(&self) -> &Sphere {
+        &self.sphere
     }
 
     /// The materials.
@@ -152,39 +185,14 @@ impl Scene {
     /// Whether nothing stands between two vertices.
     #[inline(always)]
     pub fn visible(&self, a: &Vertex, b: &Vertex) -> bool {
-        self.is_clear(Self::segment(a, b))
+        self.is_clear(&Way::between(a, b).ray())
     }
 
-    /// Whether nothing stands on a segment.
+    /// Whether nothing stands on a ray.
     #[inline(always)]
-    fn is_clear(&self, [from, to]: [Vec3A; 2]) -> bool {
+    fn is_clear(&self, ray: &Ray) -> bool {
         RAYS.set(RAYS.get() + 1);
-        !self.accel.occluded(&Ray { origin: from.into(), direction: (to - from).into(), t_max: 1.0 })
-    }
-
-    /// The ends of a ray between two vertices, off their surfaces.
-    ///
-    /// It starts where coordinates are finer: its end is rounded in proportion to its length, which would put it behind
-    /// a small surface that is seen from a large one.
-    #[inline(always)]
-    fn segment(a: &Vertex, b: &Vertex) -> [Vec3A; 2] {
-        let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
-        let towards_b = b.position - a.position;
-        [a.origin(towards_b), b.origin(-towards_b)]
-    }
-
-    /// The light and the vertex at a point of the lights.
-    #[inline(always)]
-    pub(crate) fn light_point(&self, point: &LightPoint) -> (&Light, Vertex) {
-        let light = &self.lights.lights[point.light as usize];
-        let (primitive, position) = light.at(point.u, point.v);
-        let vertex = self.vertex_at(primitive, position.into(), None);
-        let p = &self.primitives[primitive as usize];
-        if p.coarse {
-            // It is interpolated in f32, not found in f64.
-            return (light, Vertex { error: vertex.error.max(ERROR_FACTOR * p.reach()), ..vertex });
-        }
-        (light, vertex)
+        !self.accel.occluded(ray)
     }
 
     /// The material of a vertex on a surface.
@@ -266,6 +274,7 @@ impl Scene {
             delta: p.delta,
             emits: p.emits,
             shared: p.shared,
+            place: Place::Surface,
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Needs of a scene: the features that it has, so that what it lacks costs nothing.
 
+use super::description::SceneDescription;
+use super::light::Environment;
 use super::material::Material;
-use crate::transport::geometry::Mesh;
 
 /// Features that a scene has. Branches, mutations and strata that serve nothing else are not set up where it is lacking.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,12 +11,19 @@ pub struct Needs {
     pub specular: bool,
     /// A surface that is not opaque.
     pub veils: bool,
+    /// Light that comes from all around.
+    pub environment: bool,
 }
 
 impl Needs {
-    /// Of the surfaces of a scene; materials that no mesh has do not count.
-    pub(super) fn of(meshes: &[Mesh], materials: &[Material]) -> Self {
+    /// Of a scene; materials that no mesh has do not count.
+    pub(super) fn of(description: &SceneDescription) -> Self {
+        let SceneDescription { meshes, materials, environment, .. } = description;
         let any = |has: fn(&Material) -> bool| meshes.iter().any(|mesh| has(&materials[mesh.material as usize]));
-        Self { specular: any(|material| material.bsdf.is_delta()), veils: any(|material| material.opacity < 1.0) }
+        Self {
+            specular: any(|material| material.bsdf.is_delta()),
+            veils: any(|material| material.opacity < 1.0),
+            environment: environment.as_ref().is_some_and(Environment::is_lit),
+        }
     }
 }

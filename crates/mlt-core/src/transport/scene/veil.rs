@@ -7,9 +7,10 @@
 //! stops at each surface with probability α comes to y with density p_ω |cosθ| τ / d² per A′, so τ cancels in f/p; and a light
 //! of area A has the area α A. docs/theory.md, "Opacity".
 
+use super::way::Way;
 use super::{RAYS, Scene};
 use crate::engine::uniform_f32;
-use crate::transport::geometry::{Ray, Vertex};
+use crate::transport::geometry::Vertex;
 use glam::Vec3A;
 use rand_pcg::rand_core::Rng;
 
@@ -20,11 +21,23 @@ impl Scene {
         self.material(vertex).opacity
     }
 
-    /// The surface at which light along a direction, of any length, stops, and τ of those that it passes. A random number is
-    /// drawn for each surface that is not opaque.
+    /// The surface at which light along a direction, of any length, stops, or the environment beyond all surfaces; and τ of those that
+    /// it passes. A random number is drawn for each surface that is not opaque.
     #[inline(always)]
     pub fn follow(&self, from: &Vertex, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
         self.follow_ray(from.origin(direction), direction, rng)
+    }
+
+    /// The same from the camera, which may not see the environment.
+    #[inline(always)]
+    pub(crate) fn follow_camera_ray(
+        &self,
+        origin: Vec3A,
+        direction: Vec3A,
+        rng: &mut impl Rng,
+    ) -> Option<(Vertex, f32)> {
+        let (vertex, passed) = self.follow_ray(origin, direction, rng)?;
+        (!vertex.is_distant() || self.background).then_some((vertex, passed))
     }
 
     /// The same from a point that is on no surface.
@@ -32,7 +45,9 @@ impl Scene {
     pub(crate) fn follow_ray(&self, mut origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
         let mut passed = 1.0;
         loop {
-            let vertex = self.trace_ray(origin, direction)?;
+            let Some(vertex) = self.trace_ray(origin, direction) else {
+                return Some((self.beyond(direction)?, passed));
+            };
             if !self.needs.veils {
                 return Some((vertex, passed));
             }
@@ -45,20 +60,22 @@ impl Scene {
         }
     }
 
-    /// τ between two vertices; 0 if an opaque surface stands there.
+    /// τ between two vertices; 0 if an opaque surface stands there, and between the camera and an environment that it does not see.
     #[inline(always)]
     pub fn transmittance(&self, a: &Vertex, b: &Vertex) -> f32 {
-        let segment = Self::segment(a, b);
-        if self.needs.veils { self.veils_along(segment) } else { f32::from(u8::from(self.is_clear(segment))) }
+        let way = Way::between(a, b);
+        if way.endless && !self.background && (a.is_camera() || b.is_camera()) {
+            return 0.0;
+        }
+        if self.needs.veils { self.veils_along(way) } else { f32::from(u8::from(self.is_clear(&way.ray()))) }
     }
 
     #[inline(never)]
-    fn veils_along(&self, [mut from, to]: [Vec3A; 2]) -> f32 {
+    fn veils_along(&self, mut way: Way) -> f32 {
         let mut passed = 1.0;
         loop {
             RAYS.set(RAYS.get() + 1);
-            let step = to - from;
-            let ray = Ray { origin: from.into(), direction: step.into(), t_max: 1.0 };
+            let ray = way.ray();
             let Some(hit) = self.accel.closest(&ray) else {
                 return passed;
             };
@@ -67,7 +84,7 @@ impl Scene {
             if passed <= 0.0 {
                 return 0.0;
             }
-            from = veil.origin(step);
+            way.from = veil.origin(way.step());
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::transport::methods::metropolis::LightStratum;
 use crate::transport::paths::mis::met_by_chance;
 use crate::transport::paths::{Classes, LightPath, Luminance};
 use crate::transport::scene::Scene;
-use crate::transport::scene::light::Shape;
+use crate::transport::scene::light::{Area, Shape};
 use glam::{DVec2, DVec3};
 
 const CUTS: [Stratification; 4] =
@@ -94,7 +94,7 @@ fn parts_have_equal_area() {
     for (id, light) in scene.lights().lights.iter().enumerate() {
         let mut counts = [0f64; 15];
         for _ in 0..n {
-            let (primitive, position) = surface_point(scene, id, light.area, &mut rng);
+            let (primitive, position) = surface_point(scene, id, light.measure, &mut rng);
             let point = scene.lights().point(primitive, position.into()).unwrap();
             counts[strata.index(&point) as usize - 15 * id] += 1.0;
         }
@@ -107,12 +107,13 @@ fn parts_have_equal_area() {
 /// A uniform point of a light, by rejection over its triangles' bounding parallelograms.
 fn surface_point(scene: &Scene, light: usize, area: f64, rng: &mut crate::engine::Generator) -> (u32, glam::Vec3) {
     let triangles: Vec<(u32, [glam::Vec3; 3])> = match &scene.lights().lights[light].shape {
-        &Shape::Parallelogram { origin, edges: [e, f], primitives: [first, second] } => {
+        &Shape::Area(Area::Parallelogram { origin, edges: [e, f], primitives: [first, second] }) => {
             vec![(first, [origin, origin + e, origin + f]), (second, [origin + e + f, origin + f, origin + e])]
         }
-        Shape::Triangles { primitives, vertices, .. } => {
+        Shape::Area(Area::Triangles { primitives, vertices, .. }) => {
             primitives.iter().copied().zip(vertices.iter().copied()).collect()
         }
+        Shape::Environment(_) => Vec::new(),
     };
     let mut remaining = uniform(rng) * area;
     for (primitive, [a, b, c]) in triangles {
@@ -149,7 +150,7 @@ fn points_of_a_region_have_density_in_proportion_to_exitance() {
 fn is_rectangle(mesh: Mesh) -> bool {
     let world = Builder::default().light(mesh, Rgb::ONE, false).seen(DVec3::Z, DVec3::ZERO, 40.0, [8, 8]);
     let [light] = &world.scene.lights().lights[..] else { return false };
-    matches!(light.shape, Shape::Parallelogram { .. })
+    matches!(light.shape, Shape::Area(Area::Parallelogram { .. }))
 }
 
 #[test]

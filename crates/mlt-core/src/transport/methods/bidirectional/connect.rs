@@ -91,7 +91,7 @@ impl Bidirectional<'_> {
         let Evaluation { value, pdf_to_eye, .. } = emission(&self.view, &x.vertex, x.to_eye)?;
         let lights = self.view.scene.lights();
         let point = lights.point(x.vertex.primitive, x.vertex.position)?;
-        let forward = lights.lights[point.light as usize].exitance() / self.region.power();
+        let forward = lights.lights[point.light as usize].exitance(value) / self.region.power();
         let preference = self.region.preference(lights, [&x.vertex, &vertices[1].vertex], &point);
         let Carried { throughput, others, .. } = eye.carried(t);
         let weight = 1.0 / (1.0 + later_techniques(vertices, (forward, pdf_to_eye), others, preference));
@@ -102,7 +102,7 @@ impl Bidirectional<'_> {
     fn connection(&self, scratch: &Scratch, s: usize, t: usize) -> Option<(Option<u32>, DVec3)> {
         let (eye, from_eye) = (&scratch.eye.vertices[scratch.eye.vertices.len() - t..], scratch.eye.carried(t));
         let y = &eye[0];
-        if y.vertex.delta {
+        if y.vertex.delta | y.vertex.is_distant() {
             return None;
         }
         let LightSubpath { subpath, preference, .. } = self.beginning(s, &scratch.light, &scratch.near);

@@ -13,7 +13,7 @@ use crate::transport::geometry::Vertex;
 use crate::transport::lights::LightSampler;
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
-use crate::transport::paths::{Kind, LightEnd, PathEnd};
+use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd};
 use crate::transport::scene::{LightPoint, Sampled, View};
 use glam::{DVec3, Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
@@ -45,7 +45,7 @@ struct Walk {
     to_eye: Vec3A,
     /// Product of scattering and cosines over densities.
     throughput: Rgb,
-    /// Density per solid angle of the step to `vertex`, over the squared length of the step; `None` if it could not have been
+    /// Density per solid angle of the step to `vertex`, over the squared length of the step unless that is distant; `None` if it could not have been
     /// drawn on a light: by a delta BSDF, or from the camera unless lights are drawn for it.
     pdf: Option<f32>,
     /// Where that step began.
@@ -75,11 +75,10 @@ impl PathTracer<'_> {
     pub fn sample(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let View { scene, camera } = self.view;
         let ray = camera.sample(film);
-        let Some((vertex, passed)) = scene.follow_ray(ray.origin, ray.step, rng) else { return };
+        let Some((vertex, passed)) = scene.follow_camera_ray(ray.origin, ray.step, rng) else { return };
         let (lens, direction) = (ray.vertex, ray.direction());
-        let pdf = camera
-            .has_tiny_lights()
-            .then(|| camera.pdf(&lens, direction) * passed / vertex.position.distance_squared(lens.position));
+        let pdf =
+            camera.has_tiny_lights().then(|| camera.pdf(&lens, direction) * passed / vertex.distance_squared(&lens));
         let walk =
             Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: lens, edges: 1, straight: true };
         self.gather(&walk, rng, visit);
@@ -119,7 +118,7 @@ impl PathTracer<'_> {
             visit(radiance.as_dvec3(), PathEnd { kind, light: LightEnd::Met(&walk.vertex) });
         }
         if walk.edges < self.max_edges
-            && !walk.vertex.delta
+            && !(walk.vertex.delta | walk.vertex.is_distant())
             && let Some((direct, point)) = self.direct(walk, rng)
         {
             let kind = Kind::new(walk.edges + 1, false);
@@ -137,8 +136,9 @@ impl PathTracer<'_> {
             && let Some(point) = lights.point(x.primitive, x.position)
         {
             let cos = x.geometric_normal.dot(walk.to_eye).abs();
-            return emitted
-                * power_heuristic(pdf * cos, self.light_sampler.density(&walk.before, number, &point) as f32);
+            let relative = lights.lights[number.0 as usize].relative_exitance(emitted);
+            let drawn = self.light_sampler.density(&walk.before, number, &point) * relative;
+            return emitted * power_heuristic(pdf * cos, drawn as f32);
         }
         emitted
     }
@@ -148,23 +148,21 @@ impl PathTracer<'_> {
     fn direct(&self, walk: &Walk, rng: &mut impl Rng) -> Option<(Rgb, LightPoint)> {
         let scene = self.view.scene;
         let (point, density) = self.light_sampler.sample(&walk.vertex, uniform(rng), f64::from(uniform_f32(rng)));
-        let (source, density) = (scene.light_point(&point).1, density as f32);
-        let step = source.position - walk.vertex.position;
-        let square = step.length_squared();
-        // Root and reciprocal do not wait for each other.
-        let inverse_square = 1.0 / square;
-        let to_light = step * (inverse_square * square.sqrt());
-        let emitted = scene.emitted(&source, -to_light);
-        if !inverse_square.is_finite() || emitted == Rgb::ZERO {
+        let (light, source) = scene.light_point(&point);
+        let edge = Edge::between(&source, &walk.vertex)?;
+        let (to_light, [leaving, arriving]) = (-edge.direction, edge.cosines);
+        let emitted = scene.emitted(&source, edge.direction);
+        if emitted == Rgb::ZERO {
             return None;
         }
+        let density = (density * light.relative_exitance(emitted)) as f32;
         let found = scene.surface(&walk.vertex).evaluate(to_light, walk.to_eye)?;
         let passed = scene.transmittance(&walk.vertex, &source);
         if passed == 0.0 {
             return None;
         }
-        let cos = source.geometric_normal.dot(to_light).abs() * inverse_square * passed;
-        let geometric = walk.vertex.geometric_normal.dot(to_light).abs() * cos;
+        let cos = leaving * edge.inverse_square * passed;
+        let geometric = arriving * cos;
         let weight = geometric / density * power_heuristic(density, found.pdf_to_light * cos);
         Some((emitted * found.value * weight, point))
     }
@@ -179,21 +177,21 @@ impl PathTracer<'_> {
         let View { scene, camera } = self.view;
         let eye = camera.vertex();
         let (point, density) = self.light_sampler.sample(&eye, uniform(rng), f64::from(uniform_f32(rng)));
-        let source = scene.light_point(&point).1;
-        let step = source.position - eye.position;
-        let square = step.length_squared();
-        let direction = step / square.sqrt();
+        let (light, source) = scene.light_point(&point);
+        let edge = Edge::between(&source, &eye)?;
+        let direction = -edge.direction;
         let pixel = camera.pixel(camera.project(&eye, direction)?);
-        let emitted = scene.emitted(&source, -direction);
-        if square <= 0.0 || emitted == Rgb::ZERO {
+        let emitted = scene.emitted(&source, edge.direction);
+        if emitted == Rgb::ZERO {
             return None;
         }
+        let density = density * light.relative_exitance(emitted);
         let passed = scene.transmittance(&eye, &source);
         if passed == 0.0 {
             return None;
         }
         let cos = eye.geometric_normal.dot(direction);
-        let there = source.geometric_normal.dot(direction).abs() * passed / square;
+        let there = edge.cosines[0] * passed * edge.inverse_square;
         let weight = power_heuristic(density as f32, camera.pdf(&eye, direction) * there);
         let value = emitted.as_dvec3() * (f64::from(camera.w_e(&eye, direction) * cos * there * weight) / density);
         visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point) });
@@ -216,7 +214,7 @@ impl PathTracer<'_> {
             walk.throughput /= survival;
         }
         let (vertex, passed) = scene.follow(&walk.vertex, direction, rng)?;
-        let square = vertex.position.distance_squared(walk.vertex.position);
+        let square = vertex.distance_squared(&walk.vertex);
         walk.pdf = (!walk.vertex.delta).then_some(pdf * passed / square);
         walk.straight &= walk.vertex.delta;
         walk.before = std::mem::replace(&mut walk.vertex, vertex);

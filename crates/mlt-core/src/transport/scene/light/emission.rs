@@ -1,35 +1,89 @@
-//! Emission of a vertex on a light: the same radiance in every direction of its front, or of both of its sides.
+//! Emission of a vertex on a light: a surface's is the same radiance in every direction of its front, or of both of its sides.
 
+use super::{Light, LightPoint, Shape};
 use crate::engine::uniform_f32;
 use crate::transport::colour::Rgb;
-use crate::transport::geometry::Vertex;
 use crate::transport::geometry::math::cosine_hemisphere;
+use crate::transport::geometry::{ERROR_FACTOR, Vertex};
 use crate::transport::scene::Scene;
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 use std::f32::consts::FRAC_1_PI;
 
 impl Scene {
+    /// The light and the vertex at a point of the lights.
+    #[inline(always)]
+    pub(crate) fn light_point(&self, point: &LightPoint) -> (&Light, Vertex) {
+        let light = &self.lights.lights[point.light as usize];
+        match &light.shape {
+            Shape::Area(area) => {
+                let (primitive, position) = area.at(point.u, point.v);
+                let vertex = self.vertex_at(primitive, position.into(), None);
+                let p = &self.primitives[primitive as usize];
+                if p.coarse {
+                    // It is interpolated in f32, not found in f64.
+                    return (light, Vertex { error: vertex.error.max(ERROR_FACTOR * p.reach()), ..vertex });
+                }
+                (light, vertex)
+            }
+            Shape::Environment(around) => (light, self.distant(point.light, around.direction(point.u, point.v))),
+        }
+    }
+
     /// Radiance that a vertex emits into a direction; none where another surface is seen in its place.
     #[inline(always)]
     pub fn emitted(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
+        if vertex.is_distant() {
+            return self.radiance_from_afar(vertex);
+        }
         let material = self.material(vertex);
         let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
         if lit && !self.is_hidden(vertex, direction) { material.emission } else { Rgb::ZERO }
     }
 
-    /// Draws the direction that a light subpath starts into.
+    /// M at a vertex on a light.
     #[inline(always)]
-    pub(crate) fn sample_emission(&self, vertex: &Vertex, rng: &mut impl Rng) -> Vec3A {
-        let u = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-        let back = self.material(vertex).emits_both_sides && uniform_f32(rng) < 0.5;
-        cosine_hemisphere(if back { -vertex.geometric_normal } else { vertex.geometric_normal }, u)
+    pub(crate) fn exitance(&self, light: &Light, vertex: &Vertex) -> f64 {
+        if vertex.is_distant() { light.exitance(self.radiance_from_afar(vertex)) } else { light.mean_exitance() }
     }
 
-    /// Density of that direction, sr⁻¹: cosθ/π, or half that on each of two sides.
+    /// Draws the ray that a light subpath starts with: its origin and its direction.
+    #[inline(always)]
+    pub(crate) fn sample_emission(&self, vertex: &Vertex, rng: &mut impl Rng) -> (Vec3A, Vec3A) {
+        let u = Vec2::new(uniform_f32(rng), uniform_f32(rng));
+        if vertex.is_distant() {
+            return self.sphere.ray_along(-vertex.position, u);
+        }
+        let back = self.material(vertex).emits_both_sides && uniform_f32(rng) < 0.5;
+        vertex.ray(cosine_hemisphere(if back { -vertex.geometric_normal } else { vertex.geometric_normal }, u))
+    }
+
+    /// Density of that ray: of its direction, sr⁻¹, cosθ/π, or half that on each of two sides; from a distant vertex of its point on
+    /// the disc that faces the scene, per area.
     #[inline(always)]
     pub(crate) fn pdf_emission(&self, vertex: &Vertex, direction: Vec3A) -> f32 {
+        if vertex.is_distant() {
+            return self.sphere.pdf();
+        }
         let cos = vertex.geometric_normal.dot(direction);
         if self.material(vertex).emits_both_sides { 0.5 * cos.abs() * FRAC_1_PI } else { cos.max(0.0) * FRAC_1_PI }
+    }
+
+    /// The vertex of the environment that a ray meets which meets nothing else.
+    #[cold]
+    pub(in crate::transport::scene) fn beyond(&self, direction: Vec3A) -> Option<Vertex> {
+        self.lights.environment().map(|light| self.distant(light, direction.normalize()))
+    }
+
+    fn distant(&self, light: u32, towards: Vec3A) -> Vertex {
+        Vertex::distant(light, towards, self.materials.len() as u32 - 1)
+    }
+
+    #[cold]
+    fn radiance_from_afar(&self, vertex: &Vertex) -> Rgb {
+        match self.lights.of(vertex.primitive).map(|light| &light.shape) {
+            Some(Shape::Environment(around)) => around.radiance(vertex.position.into()),
+            _ => Rgb::ZERO,
+        }
     }
 }

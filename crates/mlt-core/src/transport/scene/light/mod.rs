@@ -1,9 +1,143 @@
 //! Lights: what and where they are, and what they emit.
+//!
+//! Every light is mapped from the unit square in proportion to its power: a uniform point of the square has the density M/Φ, M being the
+//! exitance there and Φ the light's power. Both refer to the light's own measure, which is area on a surface and solid angle on the
+//! directions that an environment is seen in.
 
 mod area;
 mod emission;
+mod environment;
+mod piece;
 
-pub(crate) use area::Piece;
-#[cfg(test)]
-pub(crate) use area::Shape;
-pub use area::{Light, LightPoint};
+use crate::transport::colour::{Rgb, luminance};
+use glam::{DVec2, Vec3};
+use std::f32::consts::PI;
+
+pub(crate) use area::Area;
+pub use environment::Environment;
+pub(super) use environment::Surroundings;
+pub(crate) use piece::Piece;
+
+/// A point of a light: the light, and coordinates in the unit square that it is mapped from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LightPoint {
+    /// Index of the light.
+    pub light: u32,
+    /// First coordinate, in [0, 1]; f64, since it also chooses the triangle of a mesh.
+    pub u: f64,
+    /// Second coordinate, in [0, 1].
+    pub v: f64,
+}
+
+/// What light comes from.
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// Radiance, its mean over the light.
+    pub emission: Rgb,
+    /// Emits from the back as well.
+    pub both_sides: bool,
+    /// Measure of the whole light: of a surface its area times opacity, scene units²; of an environment 4π sr.
+    pub measure: f64,
+    pub(crate) shape: Shape,
+}
+
+/// How the unit square lies on the light.
+#[derive(Clone, Debug)]
+pub(crate) enum Shape {
+    /// On a surface.
+    Area(Area),
+    /// On the directions that a scene is seen from.
+    Environment(Box<Surroundings>),
+}
+
+impl Light {
+    /// Mean of M, the power that is emitted per measure, luminance: π L of a surface, twice that for both sides; π R² L of
+    /// an environment, R being the radius of a sphere around the scene.
+    #[inline]
+    pub fn mean_exitance(&self) -> f64 {
+        match &self.shape {
+            Shape::Area(_) => f64::from(luminance(self.emission) * PI) * if self.both_sides { 2.0 } else { 1.0 },
+            Shape::Environment(around) => f64::from(luminance(self.emission)) * around.cross_section(),
+        }
+    }
+
+    /// M over its mean where the light emits the radiance `emitted`, which is not zero.
+    #[inline]
+    pub(crate) fn relative_exitance(&self, emitted: Rgb) -> f64 {
+        match &self.shape {
+            Shape::Area(_) => 1.0,
+            Shape::Environment(_) => f64::from(luminance(emitted)) / f64::from(luminance(self.emission)),
+        }
+    }
+
+    /// M where the light emits the radiance `emitted`, which is not zero.
+    #[inline]
+    pub(crate) fn exitance(&self, emitted: Rgb) -> f64 {
+        self.mean_exitance() * self.relative_exitance(emitted)
+    }
+
+    /// Φ, ∫ M over the light.
+    pub fn power(&self) -> f64 {
+        self.mean_exitance() * self.measure
+    }
+
+    /// Largest radiance.
+    pub(crate) fn brightest(&self) -> Rgb {
+        match &self.shape {
+            Shape::Area(_) => self.emission,
+            Shape::Environment(around) => around.brightest(),
+        }
+    }
+
+    /// Of a distant light, which is seen in directions and not at points: radius of the sphere that it sends light into.
+    pub(crate) fn radius_around(&self) -> Option<f32> {
+        match &self.shape {
+            Shape::Area(_) => None,
+            Shape::Environment(around) => Some(around.radius()),
+        }
+    }
+
+    /// Its flat parts, as far as they lie between two corners of the unit square, in the order of their numbers; and the first
+    /// one's number. A distant light has none.
+    pub(crate) fn pieces(&self, low: DVec2, high: DVec2) -> (u32, Vec<Piece>) {
+        match &self.shape {
+            Shape::Area(area) => area.pieces(low, high),
+            Shape::Environment(_) => (0, Vec::new()),
+        }
+    }
+
+    /// Lengths of the sides of the unit square, in any unit; a mesh has one.
+    pub(crate) fn sides(&self) -> DVec2 {
+        match &self.shape {
+            Shape::Area(area) => area.sides(),
+            // Half a turn from the top to the bottom, a whole one around.
+            Shape::Environment(_) => DVec2::new(1.0, 2.0),
+        }
+    }
+
+    /// Cells along u and v of as many columns and rows as were asked for; a mesh is cut along u alone, which runs through its
+    /// triangles, and a column of an environment is one of azimuths, which are v.
+    pub(crate) fn grid(&self, size: [u32; 2]) -> [u32; 2] {
+        match &self.shape {
+            Shape::Area(area) => area.grid(size),
+            Shape::Environment(_) => [size[1], size[0]],
+        }
+    }
+
+    /// Its centre of mass, or that of the scene around which it is.
+    pub fn centre(&self) -> Vec3 {
+        match &self.shape {
+            Shape::Area(area) => area.centre(),
+            Shape::Environment(around) => around.centre(),
+        }
+    }
+
+    /// Coordinates of the point of a surface's triangle number `index` (in the order given) that is nearest to `position`, or of
+    /// the direction `position` of a distant light.
+    pub(crate) fn coordinates(&self, index: u32, position: Vec3) -> (f64, f64) {
+        match &self.shape {
+            Shape::Area(area) => area.coordinates(index, position),
+            Shape::Environment(around) => around.coordinates(position),
+        }
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! Paths of the form (L|D) S⁺ D E: the direction out of x_l, the end of the chain at the light's side, is turned by an
 //! angle with density ∝ 1/θ² per solid angle, the chain is followed through the same events to x_{k−1}, and that is
-//! connected to the camera. The turn is symmetric, so
+//! connected to the camera. A distant x_0 keeps its direction, and its ray is moved aside. Turn and move are symmetric, so
 //!
 //! T(y→x) / T(x→y) = Π_{l < i < k} q_i(x) / q_i(y),  q_{l+1} = |cosθ_{l+1}| / |x_l − x_{l+1}|²,
 //!                                                   q_i = forward_i / P(event at x_{i−1}).

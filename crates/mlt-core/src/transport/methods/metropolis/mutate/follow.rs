@@ -5,11 +5,13 @@
 //! which they are traced, its density is Π q_i, per area of each vertex, and the turns' own densities cancel:
 //!
 //! q_i = |cosθ_i| / d²              after a turn,             d: distance to the vertex before
+//! q_1 = |cosθ_1|                   after a ray of a distant light that is moved aside, per area of the disc it starts on
 //! q_i = forward_i / P(event)       after a specular vertex   (reverse_i where the tracing goes towards the light)
 //! q_i = reverse_i                  after the camera.
 //!
 //! All of them are taken relative to the density g of [`mis`], which changes at the vertices that are kept, too.
 
+use crate::transport::geometry::Vertex;
 use crate::transport::geometry::math::{eighth_turn, frame, on_circle};
 use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::mis::kept_reference;
@@ -28,6 +30,8 @@ pub(super) const SUITABILITY: f64 = 4.0;
 const LEAST_TURN: f32 = 1e-3;
 /// Largest angle of a turn, radians.
 const LARGEST_TURN: f32 = 0.3;
+/// The law of turns.
+const TURN: LogUniform = LogUniform::new(LEAST_TURN, LARGEST_TURN);
 /// Shortest move on the image, pixels: shorter ones are accepted, but leave the pixel's colour as it was.
 const LEAST_PIXELS: f32 = 1.0;
 /// Area of the largest move on the image, as a share of the image.
@@ -36,12 +40,21 @@ const LARGEST_SHARE: f32 = 0.02;
 /// `unit` turned by an angle of density ∝ 1/θ, uniformly about it. The density per solid angle depends on θ alone, so it is
 /// that of the way back.
 pub(super) fn turned(unit: Vec3A, rng: &mut impl Rng) -> Vec3A {
-    const ANGLE: LogUniform = LogUniform::new(LEAST_TURN, LARGEST_TURN);
-    let (angle, about) = ANGLE.draw(rng);
+    let (angle, about) = TURN.draw(rng);
     let Vec2 { x: cos, y: sin } = eighth_turn(angle);
     let (s, t) = frame(unit);
     // Turned again and again, a vector that is not of length 1 would drift away from it.
     (cos * unit + sin * (about.x * s + about.y * t)).normalize()
+}
+
+/// The ray of a distant vertex that meets `x_1`, moved aside as a turn would move it at a distance of the scene's radius. The density per
+/// area of the disc that the ray starts on depends on the distance alone, so it is that of the way back.
+fn moved_aside(view: &View, [x, x_1]: [&Vertex; 2], rng: &mut impl Rng) -> (Vec3A, Vec3A) {
+    let (direction, sphere) = (-x.position, view.scene.sphere());
+    let (distance, towards) = TURN.draw(rng);
+    let (s, t) = frame(direction);
+    let through = x_1.position + sphere.radius * distance * (towards.x * s + towards.y * t);
+    (sphere.start_of_ray(direction, through), direction)
 }
 
 /// The law of moves on an image: by a distance with density ∝ 1/r in steps, in pixels, in any direction.
@@ -149,8 +162,8 @@ impl<'a> FromEye<'a> {
     }
 }
 
-/// Replaces x_{l+1} … x_{k−1} by perturbed vertices, from the light's side: what leaves x_l is turned. Then connects x_{k−1} to
-/// the camera and returns T(y→x)/T(x→y).
+/// Replaces x_{l+1} … x_{k−1} by perturbed vertices, from the light's side: what leaves x_l is turned, or moved aside if x_l is distant. Then
+/// connects x_{k−1} to the camera and returns T(y→x)/T(x→y).
 pub(super) fn perturb_from_light(
     view: &View,
     current: &LightPath,
@@ -161,12 +174,16 @@ pub(super) fn perturb_from_light(
     let last = current.edges();
     proposal.clone_from(current);
     for i in l..last - 1 {
-        let direction = if i == l {
-            turned(current.vertices[l].to_eye, rng)
+        let x = &current.vertices[i];
+        let ray = if i > l {
+            let direction = next_direction(view, [current, proposal], i, Towards::Eye, rng)?;
+            proposal.vertices[i].vertex.ray(direction)
+        } else if x.vertex.is_distant() {
+            moved_aside(view, [&x.vertex, &current.vertices[i + 1].vertex], rng)
         } else {
-            next_direction(view, [current, proposal], i, Towards::Eye, rng)?
+            x.vertex.ray(turned(x.to_eye, rng))
         };
-        follow_from_light(&mut proposal.vertices, i, direction, view, rng)?;
+        follow_from_light(&mut proposal.vertices, i, ray, view, rng)?;
     }
     proposal.connect(view, last, l..=last)?;
     Some(ratio([current, proposal], l + 1..last, |path, i| density_from_light(view, path, i, l)))

@@ -64,7 +64,7 @@ fn scene() -> Scene {
         ball(DVec3::new(-0.3, 0.8, 0.1), 0.6, 2),
         quad([[1.2, 0.1, 1.], [1.5, 0.1, -1.], [1.5, 2., -1.], [1.2, 2., 1.]], 3),
     ];
-    Scene::new(SceneDescription { meshes, materials, cameras: Vec::new() }).expect("valid")
+    Scene::new(SceneDescription { meshes, materials, ..SceneDescription::default() }).expect("valid")
 }
 
 fn pose() -> CameraPose {

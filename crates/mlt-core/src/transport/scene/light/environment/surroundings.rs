@@ -1,0 +1,89 @@
+//! An environment around a scene.
+
+use super::distribution::{Distribution, Place};
+use super::{Environment, azimuth};
+use crate::transport::colour::{Rgb, luminance};
+use crate::transport::geometry::Sphere;
+use crate::transport::geometry::math::turn;
+use crate::transport::scene::light::{Light, Shape};
+use glam::{Vec3, Vec3A};
+use std::f64::consts::{PI, TAU};
+
+/// An environment with the sphere that it sends light into.
+#[derive(Clone, Debug)]
+pub(crate) struct Surroundings {
+    size: [u32; 2],
+    pixels: Vec<Rgb>,
+    distribution: Distribution,
+    /// By which it is turned, as a share of a turn.
+    rotation: f64,
+    /// The sphere around the scene.
+    sphere: Sphere,
+}
+
+impl Surroundings {
+    /// The light of an environment around a scene.
+    pub(in crate::transport::scene) fn light(environment: Environment, sphere: Sphere) -> Light {
+        let Environment { size, mut pixels, rotation, strength, .. } = environment;
+        pixels.iter_mut().for_each(|pixel| *pixel = (*pixel * strength).min(Rgb::MAX));
+        let of = |channel: &dyn Fn(&Rgb) -> f32| {
+            Distribution::new(size.map(|n| n as usize), pixels.iter().map(channel).collect())
+        };
+        let mean = [0, 1, 2].map(|channel| (of(&|pixel| pixel[channel]).total() / (4.0 * PI)) as f32);
+        let distribution = of(&|&pixel| luminance(pixel));
+        let around = Self { size, pixels, distribution, rotation: rotation / TAU, sphere };
+        let shape = Shape::Environment(Box::new(around));
+        Light { emission: mean.into(), both_sides: false, measure: 4.0 * PI, shape }
+    }
+
+    /// π R².
+    pub(crate) fn cross_section(&self) -> f64 {
+        PI * f64::from(self.sphere.radius).powi(2)
+    }
+
+    pub(crate) fn radius(&self) -> f32 {
+        self.sphere.radius
+    }
+
+    pub(crate) fn centre(&self) -> Vec3 {
+        self.sphere.centre.into()
+    }
+
+    /// Largest radiance of a pixel, channel by channel.
+    pub(crate) fn brightest(&self) -> Rgb {
+        self.pixels.iter().copied().fold(Rgb::ZERO, Rgb::max)
+    }
+
+    /// The unit direction towards a point of the unit square.
+    pub(crate) fn direction(&self, u: f64, v: f64) -> Vec3A {
+        let place = self.distribution.at(u, v);
+        let azimuth = azimuth(place.column as f64 + place.right, self.size[0]) / TAU - self.rotation;
+        let around = turn((azimuth - libm::floor(azimuth)) as f32);
+        let z = self.distribution.height(&place);
+        let radius = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt() as f32;
+        Vec3A::new(radius * around.x, z as f32, radius * around.y).normalize()
+    }
+
+    /// The point of the unit square that a direction comes from.
+    pub(crate) fn coordinates(&self, direction: Vec3) -> (f64, f64) {
+        self.distribution.coordinates(&self.place(direction)).into()
+    }
+
+    /// Radiance from a unit direction.
+    pub(crate) fn radiance(&self, direction: Vec3) -> Rgb {
+        let place = self.place(direction);
+        let columns = self.distribution.columns(place.column);
+        let [above, below] = self.distribution.rows(place.row).map(|row| {
+            let [left, right] = columns.map(|column| self.pixels[row * self.size[0] as usize + column]);
+            left.lerp(right, place.right as f32)
+        });
+        above.lerp(below, place.down as f32)
+    }
+
+    fn place(&self, direction: Vec3) -> Place {
+        let polar = f64::from(libm::acosf(direction.y.clamp(-1.0, 1.0))) / PI;
+        let columns = f64::from(self.size[0]);
+        let from_first = f64::from(libm::atan2f(direction.z, direction.x)) / TAU + 0.5 + self.rotation - 0.5 / columns;
+        self.distribution.place(f64::from(direction.y), polar, from_first - libm::floor(from_first))
+    }
+}

@@ -1,0 +1,28 @@
+//! Flat parts of lights.
+
+use glam::{DVec2, DVec3, Vec3};
+
+/// A flat part of a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    /// Its place in the light's unit square: the corners with the smallest and with the largest coordinates.
+    pub(crate) square: [DVec2; 2],
+    /// Corner of its bounding box with the smallest coordinates.
+    pub(crate) low: Vec3,
+    /// Corner with the largest ones.
+    pub(crate) high: Vec3,
+    /// Unit normal of the front.
+    pub(crate) normal: Vec3,
+}
+
+impl Piece {
+    pub(super) fn new(square: [DVec2; 2], corners: &[Vec3]) -> Self {
+        let [a, b, c] = [0, 1, 2].map(|i| corners[i].as_dvec3());
+        Self {
+            square,
+            low: corners.iter().copied().fold(Vec3::INFINITY, Vec3::min),
+            high: corners.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max),
+            normal: (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3(),
+        }
+    }
+}

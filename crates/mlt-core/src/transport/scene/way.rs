@@ -1,0 +1,46 @@
+//! The way between two vertices, which light goes if nothing stands there.
+
+use crate::transport::geometry::{Ray, Vertex};
+use glam::Vec3A;
+
+/// The way between two vertices, off their surfaces.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    pub(super) from: Vec3A,
+    to: Vec3A,
+    /// Whether `to` is the direction of a way without end.
+    pub(super) endless: bool,
+}
+
+impl Way {
+    /// It starts where coordinates are finer: its end is rounded in proportion to its length, which would put it behind
+    /// a small surface that is seen from a large one. One between a point and a distant vertex starts at the point.
+    #[inline(always)]
+    pub(super) fn between(a: &Vertex, b: &Vertex) -> Self {
+        if a.is_distant() | b.is_distant() {
+            return Self::to_infinity(a, b);
+        }
+        let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
+        let towards_b = b.position - a.position;
+        Self { from: a.origin(towards_b), to: b.origin(-towards_b), endless: false }
+    }
+
+    #[cold]
+    fn to_infinity(a: &Vertex, b: &Vertex) -> Self {
+        let (near, far) = if a.is_distant() { (b, a) } else { (a, b) };
+        Self { from: near.origin(far.position), to: far.position, endless: true }
+    }
+
+    /// What is left of it, as a step to its end or, of a way without end, in its direction.
+    #[inline(always)]
+    pub(super) fn step(&self) -> Vec3A {
+        if self.endless { self.to } else { self.to - self.from }
+    }
+
+    /// The ray that goes it.
+    #[inline(always)]
+    pub(super) fn ray(&self) -> Ray {
+        let t_max = if self.endless { f32::INFINITY } else { 1.0 };
+        Ray { origin: self.from.into(), direction: self.step().into(), t_max }
+    }
+}
