@@ -65,7 +65,7 @@ fn duct() -> (Scene, Camera) {
             material("white", Bsdf::Lambert(Lambert { reflectance: Vec3::splat(0.8) }), Vec3::ZERO),
             material("lamp", Bsdf::Black, Vec3::ONE),
         ],
-        cameras: Vec::new(),
+        ..Default::default()
     };
     let pose = CameraPose {
         name: "eye".into(),
