@@ -87,6 +87,7 @@ fn scene() -> SceneDescription {
             vertical_fov: 0.7,
             aspect_ratio: None,
         }],
+        ..SceneDescription::default()
     }
 }
 
