@@ -6,7 +6,7 @@
 
 use mlt_benches::Loaded;
 use mlt_core::engine::{
-    Estimator, Film, MUTATIONS_A_SAMPLE, Metropolis, Mixture, batch_size, rounds_in_flight, shares_by_power,
+    Estimator, Film, MUTATIONS_PER_SAMPLE, Metropolis, Mixture, batch_size, rounds_in_flight, shares_by_power,
     with_shares,
 };
 use mlt_core::transport::lights::{LightRegion, LightStrata, Stratification};
@@ -128,7 +128,7 @@ fn chains(name: &str, stratification: Stratification, per_pixel: f64) {
     let view = loaded.view();
     let parts = LightStrata::new(loaded.scene.lights(), stratification);
     let strata = LightStratum::all(&parts, view, MOST_EDGES);
-    let shares = shares_by_power(&strata, per_pixel * f64::from(view.camera.pixels()), MUTATIONS_A_SAMPLE);
+    let shares = shares_by_power(&strata, per_pixel * f64::from(view.camera.pixels()), MUTATIONS_PER_SAMPLE);
     let mixture = Mixture::new(PathMutation::all(view));
     let strata = with_shares(strata, &shares).expect("a share for each");
     let estimator = Metropolis::new(&strata, &mixture, &Luminance, 1).expect("sound").counting(rays_traced);

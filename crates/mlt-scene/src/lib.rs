@@ -48,6 +48,8 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// Point, spot and directional lights that the scene would show and the description cannot say.
     pub lights_left_out: usize,
+    /// A hash of the files that it was read from, in hexadecimal digits: scenes of different files have different ones.
+    pub digest: String,
 }
 
 impl Loaded {

@@ -3,8 +3,10 @@
 use crate::{SceneError, names, text::shown};
 use mlt_core::memory::Memory;
 use std::{
+    collections::BTreeMap,
     fs,
     path::{Component, Path, PathBuf},
+    sync::Mutex,
 };
 
 /// The largest file that is read, bytes.
@@ -19,25 +21,44 @@ pub(crate) struct Source<'a> {
     pub path: PathBuf,
     embedded: Option<Embedded>,
     memory: &'a Memory,
+    /// Hashes of the files that were read, by their names.
+    hashes: Mutex<BTreeMap<String, blake3::Hash>>,
 }
 
 impl<'a> Source<'a> {
     /// A file on disk.
     pub fn file(path: &Path, memory: &'a Memory) -> Self {
-        Self { path: path.to_owned(), embedded: None, memory }
+        Self { path: path.to_owned(), embedded: None, memory, hashes: Mutex::default() }
     }
 
     /// The first of `files`; the others lie beside it.
     pub fn embedded(files: Embedded, memory: &'a Memory) -> Self {
-        Self { path: files.first().map_or_else(PathBuf::new, |f| f.0.into()), embedded: Some(files), memory }
+        let path = files.first().map_or_else(PathBuf::new, |f| f.0.into());
+        Self { path, embedded: Some(files), memory, hashes: Mutex::default() }
     }
 
     /// The scene file's content.
     pub fn read(&self) -> Result<Vec<u8>, SceneError> {
         match self.embedded {
             Some(_) => self.read_beside(&self.path.to_string_lossy()),
-            None => self.read_file(&self.path),
+            None => Ok(self.noted("", self.read_file(&self.path)?)),
         }
+    }
+
+    /// Tells the scene by the contents of all files of it that were read, whatever their order and wherever they lie.
+    pub fn digest(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        for (name, hash) in self.hashes.lock().expect("no thread has failed").iter() {
+            hasher.update(&(name.len() as u64).to_le_bytes()).update(name.as_bytes()).update(hash.as_bytes());
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
+    /// The content of a file, once it is in the digest.
+    fn noted(&self, name: &str, content: Vec<u8>) -> Vec<u8> {
+        let hash = blake3::hash(&content);
+        self.hashes.lock().expect("no thread has failed").insert(name.to_owned(), hash);
+        content
     }
 
     /// The content of the file at the relative path `name` below the scene's folder.
@@ -48,7 +69,8 @@ impl<'a> Source<'a> {
         }
         if let Some(files) = self.embedded {
             let found = files.iter().find(|f| f.0 == name);
-            return found.map(|f| f.1.to_vec()).ok_or(SceneError::NotFound { name });
+            let content = found.map(|f| f.1.to_vec()).ok_or_else(|| SceneError::NotFound { name: name.clone() })?;
+            return Ok(self.noted(&name, content));
         }
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let path = folder.join(&name);
@@ -57,7 +79,7 @@ impl<'a> Source<'a> {
         if !real(&path)?.starts_with(real(folder)?) {
             return Err(self.outside(&name));
         }
-        self.read_file(&path)
+        Ok(self.noted(&name, self.read_file(&path)?))
     }
 
     fn read_file(&self, path: &Path) -> Result<Vec<u8>, SceneError> {

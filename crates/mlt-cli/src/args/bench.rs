@@ -5,9 +5,9 @@ use std::{fmt, num::NonZeroUsize, path::PathBuf, time::Duration};
 use clap::{ArgGroup, Args};
 
 use super::{
+    contestant::Contestant,
     scene::SceneOptions,
     values::{Size, duration, exposure, positive},
-    variant::Variant,
 };
 
 /// Options of `mlt bench`.
@@ -34,7 +34,7 @@ pub struct BenchOptions {
 
     /// Methods to compare: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render', with + for commas inside it
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "auto,mlt:none,mlt:4x4,bdpt,pt")]
-    pub methods: Vec<Variant>,
+    pub methods: Vec<Contestant>,
     /// Independent renders of each method and budget, with the seeds 1, 2, …
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     pub seeds: u64,
@@ -59,7 +59,7 @@ pub struct BenchOptions {
     pub reference_samples: Option<f64>,
     /// Method that renders the reference
     #[arg(long, value_name = "METHOD", default_value = "bdpt")]
-    pub reference_method: Variant,
+    pub reference_method: Contestant,
 
     /// How the scenes are read.
     #[command(flatten)]

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 pub mod bench;
+pub mod contestant;
 pub mod perturbations;
 pub mod render;
 pub mod scene;
 pub mod transport;
 pub mod values;
-pub mod variant;
 pub mod verify;
 pub mod view;
 pub mod written;

@@ -14,19 +14,6 @@ use crate::{
     output::{self, Format, OutputFile},
 };
 
-/// When a render is done.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Budget {
-    /// Mutations (of all strata together) divided by the number of pixels.
-    MutationsPerPixel(f64),
-    /// Independent samples divided by the number of pixels.
-    SamplesPerPixel(f64),
-    /// Seconds on the clock.
-    Time(Duration),
-    /// Relative error of the image as estimated from its rounds, a fraction.
-    Error(f64),
-}
-
 /// Most rounds, and highest number of the first one.
 const MAX_ROUNDS: u64 = 1_000_000_000;
 
@@ -118,12 +105,14 @@ impl RenderOptions {
         self.transport.settings(self.method(), per_pixel)
     }
 
-    /// The budget that was asked for; at most one can be.
-    pub fn budget(&self) -> Option<Budget> {
-        let mutations = self.mutations_per_pixel.map(Budget::MutationsPerPixel);
-        let samples = self.samples_per_pixel.map(Budget::SamplesPerPixel);
-        let time = self.time.map(Budget::Time);
-        mutations.or(samples).or(time).or(self.error.map(Budget::Error))
+    /// Mutations or samples a pixel that were asked for.
+    pub fn per_pixel(&self) -> Option<f64> {
+        self.mutations_per_pixel.or(self.samples_per_pixel)
+    }
+
+    /// Whether anything says when the render is done.
+    pub fn have_budget(&self) -> bool {
+        self.per_pixel().or(self.error).is_some() || self.time.is_some()
     }
 
     /// Finds what is wrong with the options together, and with the files to write, before anything is rendered.
@@ -195,7 +184,7 @@ mod tests {
             (options.method(), options.transport.strata, options.transport.seed),
             (Method::Auto, Strata::default(), 0)
         );
-        assert_eq!((options.budget(), options.rounds, options.first_round), (None, None, 0));
+        assert_eq!((options.have_budget(), options.rounds, options.first_round), (false, None, 0));
         assert!(options.check().is_ok());
     }
 
@@ -226,7 +215,7 @@ mod tests {
         .expect("valid");
         assert_eq!(options.outputs.len(), 2);
         assert_eq!((options.method(), options.transport.strata), (Method::Bdpt, "4x3".parse().expect("strata")));
-        assert_eq!(options.budget(), Some(Budget::SamplesPerPixel(4.5)));
+        assert_eq!(options.per_pixel(), Some(4.5));
         assert_eq!((options.rounds, options.first_round, options.transport.max_length), (Some(4), 2, Some(8)));
         assert_eq!(
             (options.view.camera_from, options.view.camera_to),
@@ -238,9 +227,9 @@ mod tests {
 
     #[test]
     fn each_budget_is_understood() {
-        assert_eq!(parse("--time 5m").map(|o| o.budget()), Ok(Some(Budget::Time(Duration::from_secs(300)))));
-        assert_eq!(parse("--error 2%").map(|o| o.budget()), Ok(Some(Budget::Error(0.02))));
-        assert_eq!(parse("--mutations-per-pixel 64").map(|o| o.budget()), Ok(Some(Budget::MutationsPerPixel(64.0))));
+        assert_eq!(parse("--time 5m").map(|o| o.time), Ok(Some(Duration::from_secs(300))));
+        assert_eq!(parse("--error 2%").map(|o| o.error), Ok(Some(0.02)));
+        assert_eq!(parse("--mutations-per-pixel 64").map(|o| o.per_pixel()), Ok(Some(64.0)));
     }
 
     #[test]

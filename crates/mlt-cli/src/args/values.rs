@@ -61,6 +61,17 @@ pub struct Strata {
     pub classes: Classes,
 }
 
+impl Strata {
+    /// Least number of strata that it asks for.
+    pub fn least(&self) -> usize {
+        match self.lights {
+            Stratification::None | Stratification::Auto => 1,
+            Stratification::Count(count) => count as usize,
+            Stratification::Grid(columns, rows) => columns as usize * rows as usize,
+        }
+    }
+}
+
 const STRATA_HELP: &str = "give 'none', 'auto', a number of strata, or the cells of each light, as in 4x4; then, if you \
                            like, ',length' and ',tiles:2x2'";
 

@@ -5,9 +5,9 @@ use std::{num::NonZeroUsize, path::PathBuf};
 use clap::Args;
 
 use super::{
+    contestant::Contestant,
     scene::SceneOptions,
     values::{Size, per_pixel, relative_error, threads},
-    variant::Variant,
 };
 
 /// Options of `mlt verify`.
@@ -42,10 +42,10 @@ pub struct VerifyOptions {
     /// Methods to judge: METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, each as in 'mlt render'; what that does by itself
     /// if not given, with --gallery every method
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
-    pub methods: Vec<Variant>,
+    pub methods: Vec<Contestant>,
     /// Method to judge by; bdpt is judged by pt instead
     #[arg(long, value_name = "METHOD", default_value = "bdpt")]
-    pub against: Variant,
+    pub against: Contestant,
     /// Independent renders of each method
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(4..=10_000))]
     pub replicas: u64,

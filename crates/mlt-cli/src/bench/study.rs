@@ -6,7 +6,7 @@ use crate::{
     Failure,
     args::{
         bench::{BenchOptions, Budget},
-        variant::Variant,
+        contestant::Contestant,
     },
 };
 
@@ -21,7 +21,7 @@ pub struct Study {
     /// Files or built-in names.
     pub scenes: Vec<PathBuf>,
     /// The methods compared.
-    pub methods: Vec<Variant>,
+    pub methods: Vec<Contestant>,
     /// Budgets, rising.
     pub budgets: Vec<Budget>,
     /// Runs of each, with the seeds 1, 2, ….

@@ -15,8 +15,8 @@ use crate::{
     Failure,
     args::{
         bench::{BenchOptions, Budget},
+        contestant::Contestant,
         values::Size,
-        variant::Variant,
     },
     diff,
     image::Image,
@@ -58,7 +58,7 @@ impl Subject {
     /// Renders on the current rayon pool; `None` when a signal stopped it.
     pub fn render(
         &self,
-        method: &Variant,
+        method: &Contestant,
         budget: Budget,
         seed: u64,
         interrupt: &Interrupt,
@@ -87,7 +87,7 @@ impl Subject {
 
     /// Mutations or samples per pixel for so many rays per pixel, on the line through two small renders: each round has
     /// a cost of its own. The same on every machine. `None` when a signal stopped it.
-    fn per_pixel(&self, method: &Variant, rays: f64, interrupt: &Interrupt) -> Result<Option<f64>, Failure> {
+    fn per_pixel(&self, method: &Contestant, rays: f64, interrupt: &Interrupt) -> Result<Option<f64>, Failure> {
         let pixels = f64::from(self.setup.camera.pixels());
         let count = |per_pixel: f64| -> Result<Option<f64>, Failure> {
             let trial = self.render(method, Budget::PerPixel(per_pixel), 0, interrupt)?;
@@ -105,7 +105,7 @@ impl Subject {
         &self,
         truth: &Truth,
         file: Option<WithErrors>,
-        method: &Variant,
+        method: &Contestant,
         folder: &Folder,
         interrupt: &Interrupt,
     ) -> Result<Option<Reference>, Failure> {

@@ -6,7 +6,7 @@ use super::{
     statistics::{Crossing, crossing, log_log_slope, mean_of, median_of},
     study::Study,
 };
-use crate::args::{bench::Budget, variant::Variant};
+use crate::args::{bench::Budget, contestant::Contestant};
 
 /// Runs that differ in the seed alone; never empty.
 #[derive(Clone, Debug)]
@@ -80,8 +80,8 @@ impl Curve<'_> {
 
 /// All curves of a scene, in the order of the methods.
 pub fn curves<'a>(study: &Study, rows: &'a [Row], scene: &str) -> Vec<Curve<'a>> {
-    let of_method = |(method, variant): (usize, &Variant)| {
-        let text = variant.to_string();
+    let of_method = |(method, contestant): (usize, &Contestant)| {
+        let text = contestant.to_string();
         let mine = || rows.iter().filter(|row| row.key.scene == scene && row.key.method == text);
         let of_budget = |budget: &Budget| {
             let budget = budget.to_string();

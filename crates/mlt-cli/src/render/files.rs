@@ -2,13 +2,11 @@
 
 use mlt_core::engine::Film;
 
-use super::{Plan, session::Finished};
+use super::{Plan, key::view, session::Finished};
 use crate::{
     Failure,
     args::{
         render::RenderOptions,
-        values::Size,
-        view::ViewOptions,
         written::{command_line, shell_word, written},
     },
     image::Image,
@@ -53,8 +51,7 @@ pub fn develop(mut film: Film<3>) -> anyhow::Result<(Image, Option<Vec<[f32; 3]>
 /// The options that make the file again, and the figures of the render.
 fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> anyhow::Result<Vec<(String, String)>> {
     let transport = written(&report.transport)?;
-    let size = Size { width: report.width, height: report.height };
-    let view = written(&ViewOptions { size: Some(size), ..options.view.clone() })?;
+    let view = written(&view(options, [report.width, report.height]))?;
     let command = [
         vec!["mlt render".to_owned(), shell_word(&report.scene), format!("--method={}", report.method)],
         command_line(&transport),

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod files;
+mod key;
 mod losses;
 mod plan;
 mod session;
@@ -29,7 +30,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     options.check()?;
     let setup = Setup::new(options)?;
     let plan = Plan::new(options);
-    if !options.quiet && options.budget().is_none() {
+    if !options.quiet && !options.have_budget() {
         announce(&plan);
     }
     let threads = options.threads.map_or(0, std::num::NonZeroUsize::get);

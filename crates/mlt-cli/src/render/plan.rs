@@ -4,10 +4,7 @@ use std::{fmt, time::Duration};
 
 use mlt_core::engine::{Limits, TRUSTED_ROUNDS};
 
-use crate::args::{
-    render::{Budget, RenderOptions},
-    transport::Method,
-};
+use crate::args::{render::RenderOptions, transport::Method};
 
 /// Rounds of a render whose budget says nothing else.
 const ROUNDS: u64 = 16;
@@ -42,13 +39,11 @@ impl Plan {
     pub fn new(options: &RenderOptions) -> Self {
         let (method, rounds) = (options.method(), options.rounds);
         let open = Self { per_pixel: None, rounds, time: None, error: None, method };
-        match options.budget() {
-            Some(Budget::MutationsPerPixel(n) | Budget::SamplesPerPixel(n)) => open.sized(n),
-            Some(Budget::Time(time)) => Self { time: Some(time), ..open },
-            Some(Budget::Error(error)) => {
-                Self { per_pixel: Some(Self::usual(method) / 8.0), error: Some(error), ..open }
-            }
-            None => open.sized(Self::usual(method)),
+        match (options.per_pixel(), options.time, options.error) {
+            (Some(total), ..) => open.sized(total),
+            (_, Some(time), _) => Self { time: Some(time), ..open },
+            (.., Some(error)) => Self { per_pixel: Some(Self::usual(method) / 8.0), error: Some(error), ..open },
+            _ => open.sized(Self::usual(method)),
         }
     }
 

@@ -7,7 +7,7 @@ use mlt_core::transport::LUMINANCE;
 use mlt_core::transport::render::{Renderer, Sums};
 use mlt_core::transport::scene::View;
 
-use super::{Plan, Setup, blocks::Blocks, speed::Round, summary::report, trust::trust};
+use super::{Plan, Setup, blocks::Blocks, key::key, speed::Round, summary::report, trust::trust};
 use crate::{
     Failure,
     args::{render::RenderOptions, transport::Method},
@@ -46,7 +46,7 @@ pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Inter
     let go_on = || interrupt.go_on();
     let renderer = Renderer::watched(view, options.settings(per_pixel), Watch::new(&go_on)).ok_or_else(too_early)?;
     let ending = Ending::new(plan.limits(), LUMINANCE, start).expecting(time).showing_error(progress.is_shown());
-    let mut sums = renderer.sums();
+    let mut sums = renderer.sums().with_key(key(options, setup, per_pixel)?);
     let session = Session { options, setup, plan, renderer, per_pixel, start };
     let outcome = session.renderer.render_until(&ending, options.first_round, &mut sums, &mut |at, _| {
         progress.update((at.share * STEPS as f64) as u64, session.rate(at.rounds), at.error);

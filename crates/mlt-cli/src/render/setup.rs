@@ -17,6 +17,8 @@ const BYTES_PER_PIXEL: u64 = 192;
 pub struct Setup {
     /// Name for the report.
     pub name: String,
+    /// A hash of the scene's files.
+    pub digest: String,
     /// Surfaces and lights.
     pub scene: Scene,
     /// Where it is seen from, with the image's size.
@@ -39,9 +41,9 @@ impl Setup {
         let loaded = mlt_scene::open_within(&options.scene, &options.reading.load_options(), &memory);
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;
         edit(&mut loaded.description);
-        let mut warnings = std::mem::take(&mut loaded.warnings);
+        let (digest, mut warnings) = (loaded.digest.clone(), std::mem::take(&mut loaded.warnings));
         let (scene, camera) = seen(options, loaded, &memory, &mut warnings)?;
-        Ok(Self { name: options.scene.display().to_string(), scene, camera, warnings, memory })
+        Ok(Self { name: options.scene.display().to_string(), digest, scene, camera, warnings, memory })
     }
 }
 

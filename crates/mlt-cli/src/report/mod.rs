@@ -9,7 +9,8 @@ use mlt_core::engine::HalfChains;
 use serde::Serialize;
 
 use crate::{
-    args::transport::{Method, TransportOptions},
+    args::transport::{Method, TransportOptions, Variant},
+    args::values::Strata,
     progress::short,
 };
 
@@ -182,6 +183,7 @@ impl fmt::Display for Report {
         self.decision.as_ref().map_or(Ok(()), |decision| write!(f, "{decision}"))?;
         write!(f, "{}", self.acceptance)?;
         writeln!(f, "  b               {} ± {}", number(self.b), number(self.b_stderr))?;
+        self.write_cut(f)?;
         self.write_strata(f)?;
         if let Some(error) = self.relative_error {
             writeln!(f, "  relative error  {:.2} %, estimated", error * 100.0)?;
@@ -198,6 +200,22 @@ impl fmt::Display for Report {
 }
 
 impl Report {
+    /// How many strata there were, if a cut was asked for.
+    fn write_cut(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (made, asked) = (self.strata.len(), self.transport.strata.least());
+        if made == 0 || self.transport.strata == Strata::default() {
+            return Ok(());
+        }
+        write!(f, "  strata          {made}")?;
+        if self.method == Method::Mlt && self.transport.variant == Variant::Stratified && made < asked {
+            write!(
+                f,
+                " of the {asked} or more asked for: a round has no room for a useful chain in each, so they are joined"
+            )?;
+        }
+        writeln!(f)
+    }
+
     fn write_strata(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let [StratumReport { r_hat: Some(r_hat), effective_states: Some(states), .. }] = self.strata[..] {
             return writeln!(f, "  chains agree    R-hat {r_hat:.3}, worth {} independent states", short(states));
@@ -234,10 +252,7 @@ impl fmt::Display for Acceptance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::{
-        perturbations::PerturbationList,
-        transport::{Importance, Variant},
-    };
+    use crate::args::{perturbations::PerturbationList, transport::Importance};
 
     fn report() -> Report {
         let mutations = [("bidirectional".to_owned(), Some(0.25)), ("lens".to_owned(), None)].into();
@@ -342,6 +357,15 @@ mod tests {
     }
 
     #[test]
+    fn strata_that_were_joined_are_told() {
+        let mut joined = report();
+        joined.strata.truncate(6);
+        assert!(joined.to_string().contains("  strata          6 of the 20 or more asked for: a round has no room"));
+        joined.transport.strata = Strata::default();
+        assert!(!joined.to_string().contains("\n  strata "));
+    }
+
+    #[test]
     fn the_text_is_for_reading() {
         let text = report().to_string();
         for part in [
@@ -351,6 +375,7 @@ mod tests {
             "acceptance      25.0 %, bidirectional 25.0 %\n",
             "b               0.500000 ± 0.001000",
             "150000 mutations, worth 2100 independent states, R-hat 1.012",
+            "  strata          20\n",
             "and 4 more strata",
             "relative error  2.13 %, estimated",
             "written         a.exr",

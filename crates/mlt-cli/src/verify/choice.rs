@@ -13,7 +13,7 @@ use statrs::distribution::{DiscreteCDF, Hypergeometric};
 use super::{errors::rel_mse, evidence::pixels};
 use crate::{
     Failure,
-    args::{render::RenderOptions, variant::Variant, verify::VerifyOptions},
+    args::{contestant::Contestant, render::RenderOptions, verify::VerifyOptions},
     bench::statistics::{mean_of, median_of},
     interrupt::Interrupt,
     print,
@@ -199,7 +199,7 @@ impl<'a> Study<'a> {
             None => scene.to_owned(),
         };
         let words = [options.reading.words()?, vec![format!("--size={}", options.size)]].concat();
-        let setup = Setup::new(&render_options(&Variant::default(), &file, &words)?)?;
+        let setup = Setup::new(&render_options(&Contestant::default(), &file, &words)?)?;
         Ok(Self { name, file, setup, options, interrupt })
     }
 
@@ -255,10 +255,11 @@ impl<'a> Study<'a> {
 
     /// Pixels and report of a render with so many samples or mutations a pixel.
     fn render(&self, method: &str, per_pixel: f64, seed: u64) -> Result<(Vec<f64>, Report), Failure> {
-        let variant = method.parse().map_err(|message: String| Failure::Run(anyhow!(message)))?;
-        let unit = render_options(&variant, &self.file, &[])?.method().unit();
+        let contestant = method.parse().map_err(|message: String| Failure::Run(anyhow!(message)))?;
+        let unit = render_options(&contestant, &self.file, &[])?.method().unit();
         let words = [format!("--seed={seed}"), format!("--{unit}-per-pixel={per_pixel}")];
-        let rendered = render::in_memory(&render_options(&variant, &self.file, &words)?, &self.setup, self.interrupt)?;
+        let rendered =
+            render::in_memory(&render_options(&contestant, &self.file, &words)?, &self.setup, self.interrupt)?;
         if rendered.report.interrupted {
             return Err(Failure::InterruptedEarly(anyhow!("interrupted")));
         }
@@ -266,8 +267,8 @@ impl<'a> Study<'a> {
     }
 }
 
-fn render_options(variant: &Variant, scene: &Path, words: &[String]) -> Result<RenderOptions, Failure> {
-    variant.render_options(scene, words).map_err(|message| Failure::Run(anyhow!(message)))
+fn render_options(contestant: &Contestant, scene: &Path, words: &[String]) -> Result<RenderOptions, Failure> {
+    contestant.render_options(scene, words).map_err(|message| Failure::Run(anyhow!(message)))
 }
 
 /// relMSE of `image`.

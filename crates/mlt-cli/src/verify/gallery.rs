@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     Failure,
-    args::{transport::Method, variant::Variant, verify::VerifyOptions},
+    args::{contestant::Contestant, transport::Method, verify::VerifyOptions},
     output::atomic,
 };
 
@@ -57,7 +57,7 @@ const FAULTS: [(&str, &str); 6] = [
 ];
 
 /// Every method there is.
-pub fn all_methods() -> Result<Vec<Variant>, Failure> {
+pub fn all_methods() -> Result<Vec<Contestant>, Failure> {
     let names = Method::value_variants().iter().map(Method::to_string).chain([STRATIFIED.to_owned()]);
     let methods = names.map(|name| name.parse()).collect::<Result<_, String>>();
     methods.map_err(|message| Failure::Run(anyhow::anyhow!(message)))
@@ -81,18 +81,18 @@ pub fn run(court: &Court, scenes: &[&Scene], folder: &Path) -> Result<Vec<Verdic
 }
 
 fn of_scene(court: &Court, scene: &Scene, path: &Path, folder: &Path) -> Result<Vec<Verdict>, Failure> {
-    let file = |method: &Variant| {
+    let file = |method: &Contestant| {
         let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.=".contains(c) { c } else { '_' };
         let name: String = format!("{}-{method}", scene.name).chars().map(plain).collect();
         folder.join("verdicts").join(name + ".json")
     };
     let content = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    let identity = |method: &Variant| format!("{} {method} {:016x}", court.identity, fingerprint(&content));
-    let kept = |method: &Variant| -> Option<Verdict> {
+    let identity = |method: &Contestant| format!("{} {method} {:016x}", court.identity, fingerprint(&content));
+    let kept = |method: &Contestant| -> Option<Verdict> {
         let kept: Kept = serde_json::from_slice(&fs::read(file(method)).ok()?).ok()?;
         (kept.identity == identity(method)).then_some(kept.verdict)
     };
-    let mut keep = |method: &Variant, verdict: &mut Verdict| -> Result<(), Failure> {
+    let mut keep = |method: &Contestant, verdict: &mut Verdict| -> Result<(), Failure> {
         scene.name.clone_into(&mut verdict.scene);
         if scene.outcome == Outcome::Black && verdict.bias.is_none() {
             (verdict.status, verdict.remarks) = (Status::Passes, vec!["black, as it has to be".into()]);
@@ -111,7 +111,7 @@ fn of_scene(court: &Court, scene: &Scene, path: &Path, folder: &Path) -> Result<
 fn refused(court: &Court, scene: &Scene, error: &anyhow::Error) -> Vec<Verdict> {
     let sentence = format!("{error:#}");
     let told = sentence.contains("no light") && !sentence.contains('\n');
-    let verdict = |method: &Variant| Verdict {
+    let verdict = |method: &Contestant| Verdict {
         scene: scene.name.to_owned(),
         method: method.to_string(),
         reference: String::new(),
@@ -140,7 +140,7 @@ pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
         in_short(verdicts),
         court.identity
     );
-    let methods: Vec<String> = court.methods.iter().map(Variant::to_string).collect();
+    let methods: Vec<String> = court.methods.iter().map(Contestant::to_string).collect();
     page += "## Verdicts\n\n";
     page += &format!("| scene | what is hard | {} |\n|---|---|{}\n", methods.join(" | "), "---|".repeat(methods.len()));
     for scene in scenes {

@@ -20,7 +20,7 @@ use anyhow::Context;
 
 use crate::{
     Failure,
-    args::{scene::SceneOptions, variant::Variant, verify::VerifyOptions},
+    args::{contestant::Contestant, scene::SceneOptions, verify::VerifyOptions},
     interrupt::Interrupt,
     print,
 };
@@ -56,8 +56,8 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
 
 /// The methods to judge, and how.
 pub struct Court {
-    methods: Vec<Variant>,
-    against: Variant,
+    methods: Vec<Contestant>,
+    against: Contestant,
     reading: SceneOptions,
     effort: Effort,
     /// Everything besides scene and method that decides a verdict, in words.
@@ -68,15 +68,15 @@ pub struct Court {
 }
 
 /// Looks a verdict up.
-type Kept<'a> = dyn Fn(&Variant) -> Option<Verdict> + 'a;
+type Kept<'a> = dyn Fn(&Contestant) -> Option<Verdict> + 'a;
 /// Keeps a verdict, and may change it.
-type Keep<'a> = dyn FnMut(&Variant, &mut Verdict) -> Result<(), Failure> + 'a;
+type Keep<'a> = dyn FnMut(&Contestant, &mut Verdict) -> Result<(), Failure> + 'a;
 
 impl Court {
     fn new(options: &VerifyOptions) -> Result<Self, Failure> {
         let methods = match (&options.methods[..], options.gallery) {
             ([], true) => gallery::all_methods()?,
-            ([], false) => vec![Variant::default()],
+            ([], false) => vec![Contestant::default()],
             (given, _) => given.to_vec(),
         };
         let VerifyOptions { size, replicas, per_pixel, rounds, seed, .. } = *options;
@@ -101,7 +101,7 @@ impl Court {
             return Ok(found.into_iter().flatten().collect());
         }
         let subject = Subject::load(scene, &self.reading, self.effort)?;
-        let mut references: Vec<(Variant, Reference)> = Vec::new();
+        let mut references: Vec<(Contestant, Reference)> = Vec::new();
         let mut verdicts = Vec::new();
         for (method, found) in self.methods.iter().zip(found) {
             if let Some(verdict) = found {
@@ -109,11 +109,11 @@ impl Court {
                 continue;
             }
             let by = reference_for(method, scene, &self.against)?;
-            if !references.iter().any(|(variant, _)| *variant == by) {
+            if !references.iter().any(|(contestant, _)| *contestant == by) {
                 references.push((by.clone(), subject.reference(&by, &self.interrupt)?));
             }
             let reference =
-                references.iter().find(|(variant, _)| *variant == by).map(|(_, reference)| reference.clone());
+                references.iter().find(|(contestant, _)| *contestant == by).map(|(_, reference)| reference.clone());
             let Reference { replicas, groups } = reference.context("the reference was not made")?;
             let (made, moved) = subject.replicas(method, &self.interrupt)?;
             let evidence = Evidence { size: subject.size(), method: made, reference: replicas, groups };

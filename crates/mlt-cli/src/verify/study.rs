@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     Failure,
-    args::{render::RenderOptions, scene::SceneOptions, transport::Method, values::Size, variant::Variant},
+    args::{contestant::Contestant, render::RenderOptions, scene::SceneOptions, transport::Method, values::Size},
     bench::statistics::mean_of,
     interrupt::Interrupt,
     render::{self, Plan, Setup},
@@ -102,11 +102,11 @@ impl Subject {
     }
 
     /// Replicas of a method, and relMSE between two frames with the lights moved.
-    pub fn replicas(&self, variant: &Variant, interrupt: &Interrupt) -> Result<(Vec<Replica>, f64), Failure> {
-        let base = options(variant, &self.scene, &[])?.method();
+    pub fn replicas(&self, contestant: &Contestant, interrupt: &Interrupt) -> Result<(Vec<Replica>, f64), Failure> {
+        let base = options(contestant, &self.scene, &[])?.method();
         let words = self.effort.options_of(base);
         let render =
-            |setup: &Setup, index: u64| self.render(variant, setup, &words, self.effort.seed + index, interrupt);
+            |setup: &Setup, index: u64| self.render(contestant, setup, &words, self.effort.seed + index, interrupt);
         let made: Result<Vec<Replica>, Failure> =
             (0..self.effort.replicas).into_par_iter().map(|index| render(&self.setup, index)).collect();
         let (made, moved) = (made?, render(&self.moved, 0)?);
@@ -118,8 +118,8 @@ impl Subject {
     /// Replicas of a reference, each the sum of renders by one group of lights alone.
     ///
     /// A light that is one of many, or weak, or tiny is then sampled as often as any other group.
-    pub fn reference(&self, variant: &Variant, interrupt: &Interrupt) -> Result<Reference, Failure> {
-        let base = options(variant, &self.scene, &[])?.method();
+    pub fn reference(&self, contestant: &Contestant, interrupt: &Interrupt) -> Result<Reference, Failure> {
+        let base = options(contestant, &self.scene, &[])?.method();
         let per_pixel = (self.effort.per_pixel_of(base) / self.groups.len() as f64).ceil();
         let words = format!("--rounds=1 {}", Plan::budget_option(base, per_pixel, 1));
         let words: Vec<_> = words.split_whitespace().map(str::to_owned).collect();
@@ -128,7 +128,7 @@ impl Subject {
             .map(|index| {
                 let seed = REFERENCE_SEEDS + self.effort.seed + index;
                 let part =
-                    |(_, setup): &(String, Setup)| Ok(self.render(variant, setup, &words, seed, interrupt)?.pixels);
+                    |(_, setup): &(String, Setup)| Ok(self.render(contestant, setup, &words, seed, interrupt)?.pixels);
                 self.groups.iter().map(part).collect()
             })
             .collect();
@@ -137,14 +137,14 @@ impl Subject {
 
     fn render(
         &self,
-        variant: &Variant,
+        contestant: &Contestant,
         setup: &Setup,
         words: &[String],
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<Replica, Failure> {
         let words = [&[format!("--seed={seed}")], words].concat();
-        let rendered = render::in_memory(&options(variant, &self.scene, &words)?, setup, interrupt)?;
+        let rendered = render::in_memory(&options(contestant, &self.scene, &words)?, setup, interrupt)?;
         if rendered.report.interrupted {
             return Err(Failure::InterruptedEarly(anyhow::anyhow!("interrupted")));
         }
@@ -184,17 +184,17 @@ impl Reference {
 }
 
 /// The method that a method is judged by: the first of bidirectional and path tracing that is another.
-pub fn reference_for(variant: &Variant, scene: &Path, wanted: &Variant) -> Result<Variant, Failure> {
-    let method = |variant: &Variant| Ok::<_, Failure>(options(variant, scene, &[])?.method());
-    if method(variant)? != method(wanted)? {
+pub fn reference_for(contestant: &Contestant, scene: &Path, wanted: &Contestant) -> Result<Contestant, Failure> {
+    let method = |contestant: &Contestant| Ok::<_, Failure>(options(contestant, scene, &[])?.method());
+    if method(contestant)? != method(wanted)? {
         return Ok(wanted.clone());
     }
     let other = if method(wanted)? == Method::Bdpt { "pt" } else { "bdpt" };
     other.parse().map_err(run_failure)
 }
 
-fn options(variant: &Variant, scene: &Path, words: &[String]) -> Result<RenderOptions, Failure> {
-    variant.render_options(scene, words).map_err(run_failure)
+fn options(contestant: &Contestant, scene: &Path, words: &[String]) -> Result<RenderOptions, Failure> {
+    contestant.render_options(scene, words).map_err(run_failure)
 }
 
 fn run_failure(message: String) -> Failure {

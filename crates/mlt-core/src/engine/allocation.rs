@@ -12,15 +12,15 @@ const DARK_SAMPLES: u64 = 32;
 /// Longest chain of such a stratum: it is run only in a round whose samples find light.
 const MOST_DARK: u64 = 1 << 13;
 /// Mutations for each independent sample, unless their noise asks for more.
-pub const MUTATIONS_A_SAMPLE: u64 = 32;
+pub const MUTATIONS_PER_SAMPLE: u64 = 32;
 /// Most independent samples of a round, as a share of its mutations.
 const MOST_SAMPLES: f64 = 0.125;
 /// Share of the mutations that goes by b_j alone, whatever the measured noise says.
 const BY_B: f64 = 0.25;
 
 /// n_j in proportion to power, but no chain shorter than [`LEAST_CHAIN`] where a round has room for that; one sample for
-/// `mutations_a_sample` of them, [`MUTATIONS_A_SAMPLE`] if nothing better is known.
-pub fn shares_by_power<P>(strata: &[impl Stratum<P>], mutations: f64, mutations_a_sample: u64) -> Vec<Share> {
+/// `mutations_per_sample` of them, [`MUTATIONS_PER_SAMPLE`] if nothing better is known.
+pub fn shares_by_power<P>(strata: &[impl Stratum<P>], mutations: f64, mutations_per_sample: u64) -> Vec<Share> {
     let power: f64 = strata.iter().map(Stratum::power).sum();
     let parts: Vec<_> = strata.iter().map(|stratum| stratum.power() / power).collect();
     let room = strata.len() as f64 * LEAST_CHAIN as f64 <= 0.5 * mutations;
@@ -31,13 +31,13 @@ pub fn shares_by_power<P>(strata: &[impl Stratum<P>], mutations: f64, mutations_
     let share = |part: f64| {
         let mutations =
             if weak(part) || strong <= 0.0 { least } else { (rest * part / strong).round().max(least) } as u64;
-        Share { mutations, samples: samples_for(mutations, mutations_a_sample) }
+        Share { mutations, samples: samples_for(mutations, mutations_per_sample) }
     };
     parts.into_iter().map(share).collect()
 }
 
-fn samples_for(mutations: u64, mutations_a_sample: u64) -> u64 {
-    (mutations / mutations_a_sample.max(1)).max(LEAST_SAMPLES)
+fn samples_for(mutations: u64, mutations_per_sample: u64) -> u64 {
+    (mutations / mutations_per_sample.max(1)).max(LEAST_SAMPLES)
 }
 
 /// Shares that minimise Σ_j (chain_error_j / n_j · (1 + spread_j / m_j) + sample_error_j / m_j) where Σ n_j = `mutations`:
@@ -50,8 +50,8 @@ fn samples_for(mutations: u64, mutations_a_sample: u64) -> u64 {
 /// A quarter of n_j goes in proportion to b_j plus its standard error, since a noisy stratum may have looked quiet. No
 /// m_j is ever below what is usual for n_j: an error of b_j is small in squares, but it is the same everywhere. No
 /// stratum is left out: a dark one, b_j = 0, keeps a few samples a round, and its chain, of a length that `by_power` sets,
-/// runs only if they find light; it is not part of Σ n_j. `mutations_a_sample`: what is usual.
-pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64, mutations_a_sample: u64) -> Vec<Share> {
+/// runs only if they find light; it is not part of Σ n_j. `mutations_per_sample`: what is usual.
+pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64, mutations_per_sample: u64) -> Vec<Share> {
     let noise = |m: &Measure| m.chain_error.map(|e| e / (m.b * m.b)).filter(|q| q.is_finite());
     let most_noise = measures.iter().filter_map(noise).fold(0.0, f64::max);
     // Of a stratum that hardly ever found light nothing better is known than the worst of the others.
@@ -77,7 +77,7 @@ pub fn allocate(measures: &[Measure], by_power: &[Share], mutations: f64, mutati
             let mutations = by_power[j].mutations.clamp(LEAST_CHAIN, MOST_DARK);
             return Share { mutations, samples: DARK_SAMPLES };
         }
-        let usual = samples_for(length(j), mutations_a_sample);
+        let usual = samples_for(length(j), mutations_per_sample);
         Share { mutations: length(j), samples: ((samples[j] / excess).round() as u64).max(usual) }
     };
     measures.iter().enumerate().map(share).collect()
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn mutations_follow_noise_and_cost() {
         let measures = [measure(1.0, 1.0, 2.0), measure(1.0, 16.0, 2.0), measure(1.0, 16.0, 8.0)];
-        let shares = allocate(&measures, &[BY_POWER; 3], 1e6, MUTATIONS_A_SAMPLE);
+        let shares = allocate(&measures, &[BY_POWER; 3], 1e6, MUTATIONS_PER_SAMPLE);
         let n: Vec<_> = shares.iter().map(|s| s.mutations as f64 / 1e6).collect();
         for (n, ideal) in n.iter().zip([1.0 / 7.0, 4.0 / 7.0, 2.0 / 7.0]) {
             assert!((n - (0.25 / 3.0 + 0.75 * ideal)).abs() < 1e-5, "{n}");
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn nothing_lit_is_starved_and_the_dark_costs_little() {
         let measures = [measure(1.0, 1.0, 1.0), measure(1e-9, 0.0, 1.0), measure(0.0, f64::NAN, 1.0)];
-        let shares = allocate(&measures, &[BY_POWER; 3], 1e6, MUTATIONS_A_SAMPLE);
+        let shares = allocate(&measures, &[BY_POWER; 3], 1e6, MUTATIONS_PER_SAMPLE);
         assert_eq!(shares[1], Share { mutations: LEAST_CHAIN, samples: LEAST_SAMPLES });
         assert_eq!(shares[2], Share { mutations: MOST_DARK, samples: DARK_SAMPLES });
         assert_eq!(shares[0].mutations, 1_000_000);
@@ -134,7 +134,7 @@ mod tests {
         }
         let parts = [Part(1.0), Part(297.0), Part(2.0)];
         let n = |mutations| {
-            shares_by_power(&parts, mutations, MUTATIONS_A_SAMPLE).iter().map(|s| s.mutations).collect::<Vec<_>>()
+            shares_by_power(&parts, mutations, MUTATIONS_PER_SAMPLE).iter().map(|s| s.mutations).collect::<Vec<_>>()
         };
         assert_eq!(n(300_000.0), [1000, 297_000, 2000]);
         assert_eq!(n(10_000.0), [256, 9488, 256]);
@@ -143,13 +143,13 @@ mod tests {
 
     #[test]
     fn without_any_light_shares_stay_by_power() {
-        assert_eq!(allocate(&[Measure::default(); 2], &[BY_POWER; 2], 1e6, MUTATIONS_A_SAMPLE), [BY_POWER; 2]);
+        assert_eq!(allocate(&[Measure::default(); 2], &[BY_POWER; 2], 1e6, MUTATIONS_PER_SAMPLE), [BY_POWER; 2]);
     }
 
     #[test]
     fn samples_follow_the_noise_of_b_and_have_a_limit() {
         let with = |sample_error| Measure { sample_error, ..measure(1.0, 1.0, 1.0) };
-        let samples = |error| allocate(&[with(error); 2], &[BY_POWER; 2], 1e6, MUTATIONS_A_SAMPLE)[0].samples;
+        let samples = |error| allocate(&[with(error); 2], &[BY_POWER; 2], 1e6, MUTATIONS_PER_SAMPLE)[0].samples;
         assert_eq!([0.0, 0.0001, 1e9].map(samples), [15_625, 15_625, 62_500]);
     }
 
@@ -157,10 +157,10 @@ mod tests {
     #[test]
     fn samples_follow_the_noise_that_they_bring_to_chains() {
         let with = |spread| Measure { spread, ..measure(1.0, 1.0, 1.0) };
-        let shares = allocate(&[with(0.0), with(1e6)], &[BY_POWER; 2], 1e6, MUTATIONS_A_SAMPLE);
+        let shares = allocate(&[with(0.0), with(1e6)], &[BY_POWER; 2], 1e6, MUTATIONS_PER_SAMPLE);
         // m = λ √(spread / n) with λ = n = 500,000, more than a share of an eighth of the mutations.
         assert_eq!([shares[0].samples, shares[1].samples], [15_625, 125_000]);
-        let shares = allocate(&[with(0.0), with(2e3)], &[BY_POWER; 2], 1e6, MUTATIONS_A_SAMPLE);
+        let shares = allocate(&[with(0.0), with(2e3)], &[BY_POWER; 2], 1e6, MUTATIONS_PER_SAMPLE);
         assert_eq!(shares[1].samples, 31_623);
     }
 }

@@ -22,7 +22,7 @@ pub enum Purpose {
 pub fn generator(seed: u64, purpose: Purpose, round: u64, stratum: u64, index: u64) -> Generator {
     let mut hash = 0x9e37_79b9_7f4a_7c15;
     let mut absorb = |word: u64| {
-        hash = mix(hash ^ word).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        hash = mixed(hash ^ word).wrapping_add(0x9e37_79b9_7f4a_7c15);
         hash
     };
     let a = absorb(seed);
@@ -30,13 +30,14 @@ pub fn generator(seed: u64, purpose: Purpose, round: u64, stratum: u64, index: u
     let c = absorb(stratum);
     let d = absorb(index);
     let wide = |high: u64, low: u64| u128::from(high) << 64 | u128::from(low);
-    Generator::new(wide(mix(a ^ d), mix(c ^ d.rotate_left(32))), wide(mix(b ^ d), d))
+    Generator::new(wide(mixed(a ^ d), mixed(c ^ d.rotate_left(32))), wide(mixed(b ^ d), d))
 }
 
 /// The finaliser of SplitMix64, a bijection in which every output bit depends on every input bit.
 ///
 /// Source: Steele, Lea & Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
-pub(super) fn mix(mut z: u64) -> u64 {
+#[inline]
+pub(crate) fn mixed(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

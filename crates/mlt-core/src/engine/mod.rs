@@ -44,7 +44,7 @@ mod watch;
 
 pub use accumulated::{Accumulated, Key};
 pub use agreement::HalfChains;
-pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, MUTATIONS_A_SAMPLE, allocate, shares_by_power};
+pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, MUTATIONS_PER_SAMPLE, allocate, shares_by_power};
 pub use blocks::{Blocks, Grid};
 pub use bytes::{Counted, DecodeError, Reader, put, put_list, put_text};
 pub use chain::Chain;
@@ -55,6 +55,8 @@ pub use estimator::{Estimator, Observer, Outcome, Progress, batch_size, render, 
 pub use exact::ExactSum;
 pub use film::Film;
 pub use importance::Importance;
+#[cfg(feature = "transport")]
+pub(crate) use key::mixed;
 pub use key::{Generator, Purpose, generator, uniform, uniform_f32};
 pub use merge::MergeError;
 pub use metropolis::Metropolis;

@@ -249,7 +249,7 @@ pub fn events(values: impl Iterator<Item = f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::engine::{
-        Accumulated, Film, MUTATIONS_A_SAMPLE, Mixture, allocate, render, shares_by_power, uniform, with_shares,
+        Accumulated, Film, MUTATIONS_PER_SAMPLE, Mixture, allocate, render, shares_by_power, uniform, with_shares,
     };
     use rand_pcg::rand_core::Rng;
     use std::ops::ControlFlow;
@@ -330,12 +330,12 @@ mod tests {
 
     fn measured(rounds: u64) -> (Vec<Measure>, Vec<Share>) {
         let strata = strata([1.0; 4]);
-        let shares = shares_by_power(&strata, MUTATIONS, MUTATIONS_A_SAMPLE);
+        let shares = shares_by_power(&strata, MUTATIONS, MUTATIONS_PER_SAMPLE);
         let weigh = |image: &[f64]| vec![1.0; image.len()];
         let Piloted { measures, .. } = with_estimator(strata, &shares, |e| {
             e.pilot(16, PILOT..PILOT + rounds, &weigh, Watch::NEVER).expect("nothing stops it")
         });
-        let fitted = allocate(&measures, &shares, MUTATIONS, MUTATIONS_A_SAMPLE);
+        let fitted = allocate(&measures, &shares, MUTATIONS, MUTATIONS_PER_SAMPLE);
         (measures, fitted)
     }
 
@@ -385,7 +385,7 @@ mod tests {
         }
         assert!(fitted[2].mutations > fitted[3].mutations && fitted[3].mutations > fitted[0].mutations, "{fitted:?}");
         let (by_power, adapted) = (
-            image([1.0; 4], &shares_by_power(&strata([1.0; 4]), MUTATIONS, MUTATIONS_A_SAMPLE)),
+            image([1.0; 4], &shares_by_power(&strata([1.0; 4]), MUTATIONS, MUTATIONS_PER_SAMPLE)),
             image([1.0; 4], &fitted),
         );
         assert!(worst_z(&by_power) < 4.0 && worst_z(&adapted) < 4.0);
@@ -406,7 +406,7 @@ mod tests {
     #[test]
     fn the_predicted_noise_is_the_noise() {
         let (measures, _) = measured(64);
-        let shares = shares_by_power(&strata([1.0; 4]), MUTATIONS, MUTATIONS_A_SAMPLE);
+        let shares = shares_by_power(&strata([1.0; 4]), MUTATIONS, MUTATIONS_PER_SAMPLE);
         let rendered = image([1.0; 4], &shares);
         for j in [0, 2, 3] {
             let Share { mutations: n, samples: m } = shares[j];

@@ -43,7 +43,7 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     let (models, _) = text::parse(&source.path, "OBJ", &reduced.text, parse)?;
     let description = describe(source, models, &materials, &mut warnings)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { name, description, warnings, lights_left_out: 0 })
+    Ok(Loaded { name, description, warnings, lights_left_out: 0, digest: source.digest() })
 }
 
 fn describe(

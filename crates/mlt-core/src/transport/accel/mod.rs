@@ -4,8 +4,9 @@
 //!
 //! * `binary`: a binary tree over the triangles, one to a leaf, is built from clusters (`cluster`) and improved by a library;
 //! * `collapse`: dynamic programming folds it into the cheapest 8-wide tree (`wide` is its layout);
-//! * `traverse`: a ray walks that tree, eight boxes or eight triangles at a time (`simd` is the arithmetic,
-//!   `watertight` the triangle test and the accurate hit, `coarse` the same for triangles of a very different size).
+//! * `traverse`: a ray walks that tree, eight boxes or eight triangles at a time (`boxes` tests the boxes, `stack` keeps those
+//!   that are left, `simd` is the arithmetic, `watertight` the triangle test and the accurate hit, `coarse` the same for triangles
+//!   of a very different size).
 //!
 //! Callers may rely on this:
 //!
@@ -15,10 +16,12 @@
 //! * of two triangles at exactly the same t, the one with the smaller index wins.
 
 mod binary;
+mod boxes;
 mod cluster;
 mod coarse;
 mod collapse;
 mod simd;
+mod stack;
 mod traverse;
 mod watertight;
 mod wide;

@@ -6,29 +6,24 @@
 //! so that its memory can be asked for early where the tree is large. The any-hit query takes boxes as they come and stops
 //! at the first hit. Trees without coarse triangles are walked by code that knows of none.
 //!
-//! **No box is missed.** Let ε = 2⁻²⁴ and M the largest absolute coordinate of the scene and the ray's origin. The
-//! triangle test sees vertices displaced by at most 10 εM, and the box test's numerators are off by at most 4 εM, so every
-//! box is widened by 16 εM. The quotients have relative errors of at most 3 ε each; the far ones are multiplied by
-//! 1 + 8 ε. Both are folded into the ray, once, and cost nothing a box.
-//!
-//! **What is unsafe** here is to call code compiled for AVX2, and to leave the stack's array uninitialised (it is longer than
-//! most walks are). Indices are checked: measured, that costs less than one per cent.
+//! **What is unsafe** here is to call code compiled for AVX2. Indices are checked: measured, that costs less than one per cent.
 #![allow(unsafe_code)]
 
 use super::binary::MAX_COORDINATE;
-use super::simd::{KEY_LANE, Simd, splat3};
+use super::boxes::BoxTest;
+use super::simd::{KEY_LANE, Simd};
+use super::stack::Stack;
 use super::watertight::{Nearest, Shear};
 use super::wide::{Child, Node, WideTree};
 use crate::instructions::{InstructionSet, Portable};
 use crate::transport::geometry::{Hit, Ray};
 use glam::Vec3A;
-use std::mem::MaybeUninit;
 
 /// A ray, ready for arithmetic on four lanes.
 #[derive(Clone, Copy)]
-struct Segment {
-    origin: Vec3A,
-    direction: Vec3A,
+pub struct Segment {
+    pub origin: Vec3A,
+    pub direction: Vec3A,
     t_max: f32,
 }
 
@@ -231,101 +226,6 @@ fn any_hit<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment)
             }
             node = &tree.nodes[child.node()];
             left = simd.bits(boxes.test(simd, node, ray.t_max).0);
-        }
-    }
-}
-
-/// 16 ε of the module's comment, ε = 2⁻²⁴.
-const WIDENING: f32 = 16.0 / 16_777_216.0;
-/// 1 + 8 ε.
-const FAR_FACTOR: f32 = 1.0 + 8.0 / 16_777_216.0;
-
-/// Least speed along an axis; the largest is at least 10¹² times as much.
-const SLOWEST: f32 = 1e-18;
-
-/// The ray, made ready for boxes: the plane at p is met at t = p · reciprocal − shift.
-struct BoxTest<S: Simd> {
-    near_plane: [usize; 3],
-    near_reciprocal: [S::Floats; 3],
-    near_shift: [S::Floats; 3],
-    far_reciprocal: [S::Floats; 3],
-    far_shift: [S::Floats; 3],
-}
-
-impl<S: Simd> BoxTest<S> {
-    #[inline(always)]
-    fn new(simd: S, ray: &Segment, scene_coordinate: f32) -> Self {
-        let Segment { origin, direction, .. } = *ray;
-        let widening = WIDENING * Vec3A::splat(origin.abs().max_element()).max(Vec3A::splat(scene_coordinate));
-        // A slower component moves the ray by less than the widening before it has left the scene.
-        let least = Vec3A::splat(SLOWEST);
-        let reciprocal = 1.0 / Vec3A::select(direction.abs().cmplt(least), least.copysign(direction), direction);
-        let far_reciprocal = FAR_FACTOR * reciprocal;
-        let widening = widening.copysign(reciprocal);
-        let backwards = reciprocal.cmplt(Vec3A::ZERO).bitmask() as usize;
-        Self {
-            near_plane: [backwards & 1, 2 + (backwards >> 1 & 1), 4 + (backwards >> 2)],
-            near_reciprocal: splat3(simd, reciprocal.to_array()),
-            near_shift: splat3(simd, ((origin + widening) * reciprocal).to_array()),
-            far_reciprocal: splat3(simd, far_reciprocal.to_array()),
-            far_shift: splat3(simd, ((origin - widening) * far_reciprocal).to_array()),
-        }
-    }
-
-    /// Which boxes the ray meets with 0 ≤ t ≤ t_max, and where it enters them.
-    #[inline(always)]
-    fn test(&self, simd: S, node: &Node, t_max: f32) -> (S::Mask, S::Floats) {
-        let near = |axis: usize| {
-            let plane = simd.load(&node.planes[self.near_plane[axis]]);
-            simd.mul_sub(plane, self.near_reciprocal[axis], self.near_shift[axis])
-        };
-        let far = |axis: usize| {
-            let plane = simd.load(&node.planes[self.near_plane[axis] ^ 1]);
-            simd.mul_sub(plane, self.far_reciprocal[axis], self.far_shift[axis])
-        };
-        let enter = simd.max(simd.max(near(0), near(1)), simd.max(near(2), simd.splat(0.0)));
-        let leave = simd.min(simd.min(far(0), far(1)), simd.min(far(2), simd.splat(t_max)));
-        (simd.le(enter, leave), enter)
-    }
-}
-
-/// Levels of trees that need no memory from the heap.
-const LOCAL_LEVELS: usize = 32;
-
-/// Levels of the tree above the current one; whole cache lines of its own.
-#[repr(align(64))]
-struct Stack<T> {
-    /// The first `len` are initialised, as far as there are so many.
-    local: [MaybeUninit<T>; LOCAL_LEVELS],
-    /// Those beyond them.
-    heap: Vec<T>,
-    len: usize,
-}
-
-impl<T: Copy> Stack<T> {
-    /// An empty stack for a tree of some depth.
-    #[inline(always)]
-    fn new(depth: usize) -> Self {
-        let heap = if depth <= LOCAL_LEVELS { Vec::new() } else { Vec::with_capacity(depth) };
-        Self { local: [const { MaybeUninit::uninit() }; LOCAL_LEVELS], heap, len: 0 }
-    }
-
-    #[inline(always)]
-    fn push(&mut self, entry: T) {
-        match self.local.get_mut(self.len) {
-            Some(slot) => _ = slot.write(entry),
-            None => self.heap.push(entry),
-        }
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<T> {
-        self.len = self.len.checked_sub(1)?;
-        match self.local.get(self.len) {
-            // SAFETY: it lay below the old `len`, and `push` has written all of those.
-            Some(slot) => Some(unsafe { slot.assume_init() }),
-            None => self.heap.pop(),
         }
     }
 }

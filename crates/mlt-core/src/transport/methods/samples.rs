@@ -6,7 +6,7 @@
 //! is least for its work at m/n = √(V_b (1 + P/n)/(c P)). V_b differs by scenes, from 0.1 to 10⁴, and is measured before the
 //! first round.
 
-use crate::engine::{LEAST_SAMPLES, MUTATIONS_A_SAMPLE, Share, Stratum, shares_by_power, with_shares};
+use crate::engine::{LEAST_SAMPLES, MUTATIONS_PER_SAMPLE, Share, Stratum, shares_by_power, with_shares};
 use crate::transport::scene::View;
 
 /// The independent samples of a method.
@@ -20,7 +20,7 @@ pub(crate) struct Samples {
 
 impl Samples {
     /// Bidirectional samples for chains of paths.
-    pub(crate) const OF_PATHS: Self = Self { usual: MUTATIONS_A_SAMPLE, cost: 9.0 };
+    pub(crate) const OF_PATHS: Self = Self { usual: MUTATIONS_PER_SAMPLE, cost: 9.0 };
     /// Bidirectional samples for chains of their numbers.
     pub(crate) const BIDIRECTIONAL: Self = Self { usual: 8, cost: 1.0 };
     /// Paths for chains of their numbers. Most random paths are dark, so b̂_j takes many.
@@ -47,7 +47,7 @@ const WORK: [f64; 2] = [1.0, 64.0];
 /// Mutations for one independent sample in a scene of which no more is known, from the number that suits a small image.
 ///
 /// Where specular surfaces make paths that a million samples hardly meet, no sample is spared.
-pub(crate) fn mutations_a_sample(view: View, usual: u64) -> u64 {
+pub(crate) fn mutations_per_sample(view: View, usual: u64) -> u64 {
     if view.scene.needs().specular {
         return usual;
     }
@@ -66,7 +66,7 @@ pub(crate) fn fitted_shares<P, S: Stratum<P>>(
     mutations: f64,
     spread: impl FnOnce(&[(S, Share)]) -> Option<(Option<f64>, u64)>,
 ) -> Option<(Vec<Share>, u64)> {
-    let unknown = shares_by_power(&strata, mutations, mutations_a_sample(view, samples.usual));
+    let unknown = shares_by_power(&strata, mutations, mutations_per_sample(view, samples.usual));
     if view.scene.needs().specular {
         return Some((unknown, 0));
     }
@@ -94,7 +94,7 @@ mod tests {
     use std::ops::ControlFlow;
 
     /// Mutations for one sample of the render of a world.
-    fn mutations_a_sample_of(world: &World, method: Method, side: u32) -> f64 {
+    fn mutations_per_sample_of(world: &World, method: Method, side: u32) -> f64 {
         let camera = world.camera.with_size([side, side]);
         let view = View { camera: &camera, ..world.view() };
         let renderer = Renderer::new(view, Settings::new(method, 4.0));
@@ -108,10 +108,10 @@ mod tests {
     #[test]
     fn samples_are_spared_where_their_weights_hardly_vary_and_surfaces_are_not_specular() {
         let (diffuse, shiny) = (room(lambert(Rgb::ONE), false), room(mirror(), false));
-        assert_eq!(mutations_a_sample_of(&diffuse, Method::Metropolis, 128), 256.0);
-        assert!((32.0..=64.0).contains(&mutations_a_sample_of(&diffuse, Method::Multiplexed, 128)));
-        assert_eq!(mutations_a_sample_of(&shiny, Method::Metropolis, 128), 32.0);
-        assert_eq!(mutations_a_sample_of(&shiny, Method::Multiplexed, 128), 4.0);
+        assert_eq!(mutations_per_sample_of(&diffuse, Method::Metropolis, 128), 256.0);
+        assert!((32.0..=64.0).contains(&mutations_per_sample_of(&diffuse, Method::Multiplexed, 128)));
+        assert_eq!(mutations_per_sample_of(&shiny, Method::Metropolis, 128), 32.0);
+        assert_eq!(mutations_per_sample_of(&shiny, Method::Multiplexed, 128), 4.0);
     }
 
     #[test]
@@ -130,7 +130,7 @@ mod tests {
     fn larger_images_of_unknown_scenes_take_fewer_samples_unless_surfaces_are_specular() {
         let usual = |world: &World, side| {
             let camera = world.camera.with_size([side, side]);
-            mutations_a_sample(View { camera: &camera, ..world.view() }, 32)
+            mutations_per_sample(View { camera: &camera, ..world.view() }, 32)
         };
         let (diffuse, shiny) = (room(lambert(Rgb::ONE), false), room(mirror(), false));
         assert_eq!([64, 128, 256].map(|side| usual(&diffuse, side)), [32, 32, 64]);

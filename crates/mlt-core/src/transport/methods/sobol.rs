@@ -1,5 +1,6 @@
 //! Well-stratified random numbers for independent sampling.
 
+use crate::engine::mixed;
 use crate::instructions::{InstructionSet, Work};
 use rand_pcg::rand_core::TryRng;
 use std::convert::Infallible;
@@ -147,16 +148,6 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// The key of the branches' sequence.
 fn of_branches(seed: u64) -> u64 {
     mixed(seed ^ GOLDEN)
-}
-
-/// The finaliser of SplitMix64.
-///
-/// Source: Steele, Lea & Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
-#[inline]
-fn mixed(mut z: u64) -> u64 {
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 /// A permutation in which every bit depends on the lower ones and the key alone: Owen's scrambling of digits that stand

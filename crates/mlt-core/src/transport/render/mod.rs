@@ -87,3 +87,46 @@ impl<'a> Renderer<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transport::colour::Rgb;
+    use crate::transport::image::Target;
+    use crate::transport::lights::Stratification;
+    use crate::transport::tests::worlds::{lambert, room};
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    /// Whether a pilot that is stopped when it asks for the `last`-th time gives a renderer, and how often it has asked.
+    fn watched(settings: &Settings, last: u64) -> (bool, u64) {
+        let (world, asked) = (room(lambert(Rgb::splat(0.5)), false), AtomicU64::new(0));
+        let go_on = || match asked.fetch_add(1, Ordering::Relaxed) + 1 < last {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        };
+        let renderer = Renderer::watched(world.view(), settings.clone(), Watch::new(&go_on));
+        (renderer.is_some(), asked.load(Ordering::Relaxed))
+    }
+
+    #[test]
+    fn a_pilot_can_be_stopped_at_any_time() {
+        let of = |method, change: fn(&mut Settings)| Settings::new(method, 1.0).with(change);
+        for settings in [
+            of(Method::Auto, |_| ()),
+            of(Method::Metropolis, |_| ()),
+            of(Method::Metropolis, |s| s.stratification = Stratification::Grid(2, 2)),
+            of(Method::Metropolis, |s| s.stratification = Stratification::Auto),
+            of(Method::Metropolis, |s| s.target = Target::Relative),
+            of(Method::PrimaryBidirectional, |_| ()),
+            of(Method::Multiplexed, |_| ()),
+        ] {
+            let (made, all) = watched(&settings, u64::MAX);
+            assert!(made && all > 0, "{settings:?}");
+            for last in [1, all.div_ceil(2), all] {
+                let (made, asked) = watched(&settings, last);
+                // Threads that ask at the same time may each be told.
+                assert!(!made && asked < last + 64, "{settings:?}: stopped at {last} of {all}, asked {asked} times");
+            }
+        }
+    }
+}

@@ -22,7 +22,7 @@ fn visit_paths(world: &World, samples: u64, visit: impl FnMut(&LightPath, f64)) 
 fn visit_paths_from(region: &LightRegion, world: &World, samples: u64, mut visit: impl FnMut(&LightPath, f64)) {
     let sampler = Bidirectional { view: world.view(), region, max_edges: 12 };
     for i in 0..samples {
-        sampler.sample(&mut generator(7, Purpose::Sample, 0, 0, i), &mut visit);
+        sampler.sample_paths(&mut generator(7, Purpose::Sample, 0, 0, i), &mut visit);
     }
 }
 
@@ -131,7 +131,7 @@ fn samples_for_the_image_are_those_of_paths() {
         for i in 0..1000 {
             let rng = || generator(8, Purpose::Sample, 0, 0, i);
             let [mut paths, mut image] = [BTreeMap::new(), BTreeMap::new()];
-            sampler.sample(&mut rng(), &mut |path, weight| {
+            sampler.sample_paths(&mut rng(), &mut |path, weight| {
                 *paths.entry(path.pixel).or_insert(DVec3::ZERO) += path.contribution * weight;
             });
             let mut rng = rng();

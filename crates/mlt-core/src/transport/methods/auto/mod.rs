@@ -23,7 +23,7 @@ use super::bidirectional::Bidirectional;
 use super::counts::PilotCounts;
 use super::metropolis::{LightStratum, PathMutation};
 use super::path_tracing::PathTracer;
-use super::samples::mutations_a_sample;
+use super::samples::mutations_per_sample;
 use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, Piloted, Share, Tally, Watch};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::{LightRegion, LightStrata, LightTree, Stratification};
@@ -121,7 +121,7 @@ impl Pilot<'_> {
     /// they get in fact.
     fn hand_out(&self, parts: &Parts, choice: Choice, measures: &[Measure]) -> (Decision, Chains) {
         let pixels = f64::from(self.view.camera.pixels());
-        let usual = mutations_a_sample(self.view, engine::MUTATIONS_A_SAMPLE);
+        let usual = mutations_per_sample(self.view, engine::MUTATIONS_PER_SAMPLE);
         let with_shares = |decision: Decision| {
             let chains = share_out(parts, &decision, measures, decision.chain_work * pixels, usual);
             debug_assert!(chains.work > LEAST_OF_A_PROMISE, "chains were promised {decision:?}");

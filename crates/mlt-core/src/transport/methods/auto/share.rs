@@ -35,7 +35,7 @@ pub(super) fn share_out(
     decision: &Decision,
     measures: &[Measure],
     work: f64,
-    mutations_a_sample: u64,
+    mutations_per_sample: u64,
 ) -> Chains {
     let (kinds, unions) = unions(parts, decision, measures);
     if unions.is_empty() {
@@ -47,7 +47,7 @@ pub(super) fn share_out(
     for _ in 0..3 {
         let n = (mutations.max(1.0) / unions.len() as f64) as u64;
         let even = vec![Share { mutations: n.max(1), samples: (n / MUTATIONS_PER_SAMPLE).max(1) }; unions.len()];
-        shares = allocate(&unions, &even, mutations.max(1.0), mutations_a_sample);
+        shares = allocate(&unions, &even, mutations.max(1.0), mutations_per_sample);
         expected = unions.iter().zip(&shares).map(|(m, share)| work_of(m, share)).sum::<f64>() / work;
         mutations *= if expected > 0.0 { expected.recip().clamp(0.1, 10.0) } else { 1.0 };
     }

@@ -130,12 +130,12 @@ impl Bidirectional<'_> {
     /// Draws two subpaths, the camera's through a uniform film point, and shows `visit` every connected path with
     /// its weight w_s/p_s, in which E[Σ w_s/p_s · g(x)] = ∫ g over the paths that start in the region, as far as s ≥ 1;
     /// for s = 0 over those that start anywhere.
-    pub fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
+    pub fn sample_paths(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         let film = Vec2::new(uniform_f32(rng), uniform_f32(rng));
         self.sample_through(film, 1.0, rng, visit);
     }
 
-    /// As [`sample`](Self::sample), with the camera subpath through a given point. Over uniform points of a part of the
+    /// As [`sample_paths`](Self::sample_paths), with the camera subpath through a given point. Over uniform points of a part of the
     /// image, of which it has the share `area`, weights are those of the paths that cross the image there; stratified
     /// points do as well.
     pub fn sample_through(&self, film: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
@@ -155,7 +155,7 @@ impl Bidirectional<'_> {
         });
     }
 
-    /// As [`sample`](Self::sample), with random numbers for each subpath from a generator of its own.
+    /// As [`sample_paths`](Self::sample_paths), with random numbers for each subpath from a generator of its own.
     pub(crate) fn sample_apart(
         &self,
         light: &mut impl Rng,

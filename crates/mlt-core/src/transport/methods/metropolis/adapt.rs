@@ -60,7 +60,7 @@ pub(crate) struct Pilot<'a> {
     /// Number of classes that each part is cut into where the lights have so many.
     pub(crate) classes: &'a dyn Fn(usize) -> usize,
     /// Mutations for one independent sample, if their noise does not ask for more.
-    pub(crate) mutations_a_sample: u64,
+    pub(crate) mutations_per_sample: u64,
     /// n_j by power for so many mutations.
     pub(crate) by_power: &'a dyn Fn(&LightStrata, f64) -> Vec<Share>,
     /// Runs pilot rounds.
@@ -89,7 +89,7 @@ impl Pilot<'_> {
         }
         let measures = self.measure(&strata, LEVELS, &mut tally)?;
         let by_power = (self.by_power)(&strata, self.mutations);
-        let shares = allocate(&measures, &by_power, self.mutations, self.mutations_a_sample);
+        let shares = allocate(&measures, &by_power, self.mutations, self.mutations_per_sample);
         Some(Adapted { strata, shares: Some(shares), tally })
     }
 

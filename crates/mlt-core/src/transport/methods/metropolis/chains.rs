@@ -4,11 +4,11 @@ use super::adapt::{Adaptation, Adapted, Pilot, Weights};
 use super::mutate::PathMutation;
 use super::stratum::{LightStratum, with_met};
 use super::variant::Variant;
-use crate::engine::{MUTATIONS_A_SAMPLE, Metropolis, Mixture, Share, Watch, shares_by_power};
+use crate::engine::{MUTATIONS_PER_SAMPLE, Metropolis, Mixture, Share, Watch, shares_by_power};
 use crate::transport::image::{PixelImportance, error_weights};
 use crate::transport::lights::{LightRegion, LightStrata};
 use crate::transport::methods::run::metropolis;
-use crate::transport::methods::samples::{Samples, fitted_shares, mutations_a_sample, paired};
+use crate::transport::methods::samples::{Samples, fitted_shares, mutations_per_sample, paired};
 use crate::transport::methods::settings::Settings;
 use crate::transport::methods::target::importance;
 use crate::transport::paths::LightPath;
@@ -43,10 +43,10 @@ impl<'a> PathChains<'a> {
             adaptation: Adaptation { weights, ..self.settings.adaptation },
             mutations: self.mutations_per_round(),
             classes: &|parts| LightStratum::classes_of_part(parts, view, max_edges, classes).len(),
-            mutations_a_sample: mutations_a_sample(view, MUTATIONS_A_SAMPLE),
+            mutations_per_sample: mutations_per_sample(view, MUTATIONS_PER_SAMPLE),
             by_power: &|parts, mutations| {
                 let strata = LightStratum::product(parts, view, max_edges, classes);
-                shares_by_power(&strata, mutations, mutations_a_sample(view, MUTATIONS_A_SAMPLE))
+                shares_by_power(&strata, mutations, mutations_per_sample(view, MUTATIONS_PER_SAMPLE))
             },
             measure: &|parts, shares, rounds| {
                 let strata = LightStratum::product(parts, view, max_edges, classes);

@@ -65,14 +65,14 @@ impl ImageSampler for PathTracer<'_> {
         if self.view.camera.has_tiny_lights() {
             self.see_light(rng, visit);
         }
-        self.sample(film, rng, &mut |radiance, end| visit(None, radiance, end));
+        self.sample_radiance(film, rng, &mut |radiance, end| visit(None, radiance, end));
     }
 }
 
 impl PathTracer<'_> {
     /// Takes one sample through a film point and shows `visit` its parts, whose expected sum is the radiance.
     #[inline(always)]
-    pub fn sample(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
+    pub fn sample_radiance(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let View { scene, camera } = self.view;
         let ray = camera.sample(film);
         let Some((vertex, passed)) = scene.follow_camera_ray(ray.origin, ray.step, rng) else { return };

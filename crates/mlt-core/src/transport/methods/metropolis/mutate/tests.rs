@@ -131,7 +131,7 @@ fn drift(name: &str, error: impl Fn(&View, &LightPath) -> f64) -> (f64, f64) {
     for sample in 0..samples {
         let mut rng = generator(7, Purpose::Chain, 0, 0, sample);
         let mut drifts = [0.0; 15];
-        sampler.sample(&mut generator(7, Purpose::Sample, 0, 0, sample), &mut |x, weight| {
+        sampler.sample_paths(&mut generator(7, Purpose::Sample, 0, 0, sample), &mut |x, weight| {
             if !applies(x) {
                 return;
             }
@@ -213,7 +213,7 @@ fn proposals_are_complete() {
     let (mut proposal, mut checked) = (LightPath::default(), [0; 4]);
     for sample in 0..4000 {
         let mut rng = generator(8, Purpose::Chain, 0, 0, sample);
-        sampler.sample(&mut generator(8, Purpose::Sample, 0, 0, sample), &mut |x, _| {
+        sampler.sample_paths(&mut generator(8, Purpose::Sample, 0, 0, sample), &mut |x, _| {
             for (mutation, checked) in PathMutation::all(view).iter().zip(&mut checked) {
                 let applies = Mutation::<LightPath, LightStratum>::suitability(mutation, x) > 0.0;
                 if !applies || mutation.propose(x, &mut proposal, within, &mut rng).is_none() {

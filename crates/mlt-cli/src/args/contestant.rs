@@ -31,12 +31,12 @@ const SHARED: [&str; 15] = [
 /// `mlt:4x4:importance=luminance` stands for `--method mlt --strata 4x4 --importance luminance`. What is valid is decided
 /// by the parser of `mlt render` alone, so that every method and option of it can be compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Variant {
+pub struct Contestant {
     text: String,
     words: Vec<String>,
 }
 
-impl Variant {
+impl Contestant {
     /// The options of a render of `scene`, with `more` words of its command line.
     pub fn render_options(&self, scene: &Path, more: &[String]) -> Result<RenderOptions, String> {
         let words = self.words.iter().chain(more).map(OsString::from);
@@ -44,7 +44,7 @@ impl Variant {
     }
 }
 
-impl Default for Variant {
+impl Default for Contestant {
     /// The default of `mlt render SCENE`, under the name of its method.
     fn default() -> Self {
         let unnamed = Self { text: String::new(), words: Vec::new() };
@@ -53,7 +53,7 @@ impl Default for Variant {
     }
 }
 
-impl FromStr for Variant {
+impl FromStr for Contestant {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -69,13 +69,13 @@ impl FromStr for Variant {
                 None => return Err("give METHOD, METHOD:STRATA or METHOD:STRATA:OPTION=VALUE, as in mlt:4x4".into()),
             }
         }
-        let variant = Self { text: text.to_owned(), words };
-        variant.render_options(Path::new("cornell"), &[])?;
-        Ok(variant)
+        let contestant = Self { text: text.to_owned(), words };
+        contestant.render_options(Path::new("cornell"), &[])?;
+        Ok(contestant)
     }
 }
 
-impl fmt::Display for Variant {
+impl fmt::Display for Contestant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
     }
@@ -94,11 +94,11 @@ mod tests {
     use crate::args::transport::Method;
 
     fn options(text: &str) -> Result<RenderOptions, String> {
-        text.parse::<Variant>()?.render_options(Path::new("-a scene"), &["--seed=3".into()])
+        text.parse::<Contestant>()?.render_options(Path::new("-a scene"), &["--seed=3".into()])
     }
 
     #[test]
-    fn a_variant_is_a_command_line_of_render() {
+    fn a_contestant_is_a_command_line_of_render() {
         let found = options("bdpt").expect("valid");
         assert_eq!(
             (found.method(), found.transport.seed, found.scene.as_path()),
@@ -111,8 +111,8 @@ mod tests {
 
     #[test]
     fn by_default_it_is_what_render_does_by_itself() {
-        let (found, plain) = (Variant::default(), "auto".parse::<Variant>().expect("valid"));
-        let options = |variant: &Variant| variant.render_options(Path::new("cornell"), &[]).expect("valid");
+        let (found, plain) = (Contestant::default(), "auto".parse::<Contestant>().expect("valid"));
+        let options = |contestant: &Contestant| contestant.render_options(Path::new("cornell"), &[]).expect("valid");
         assert_eq!((found.to_string(), options(&found).method), ("auto".into(), None));
         assert_eq!(options(&found).method(), options(&plain).method());
     }
@@ -131,7 +131,7 @@ mod tests {
             ("mlt:scene=night", "'scene' is the same"),
             ("mlt:json=1", "--json"),
         ] {
-            let message = text.parse::<Variant>().map(|variant| variant.to_string()).expect_err(text);
+            let message = text.parse::<Contestant>().map(|contestant| contestant.to_string()).expect_err(text);
             assert!(message.contains(part) && !message.contains('\n'), "{text}: {message}");
         }
     }

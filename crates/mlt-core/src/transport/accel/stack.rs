@@ -1,0 +1,47 @@
+//! The stack of a walk through the tree.
+//!
+//! **What is unsafe** here is to leave its array uninitialised: it is longer than most walks are.
+#![allow(unsafe_code)]
+
+use std::mem::MaybeUninit;
+
+/// Levels of trees that need no memory from the heap.
+const LOCAL_LEVELS: usize = 32;
+
+/// Levels of the tree above the current one; whole cache lines of its own.
+#[repr(align(64))]
+pub struct Stack<T> {
+    /// The first `len` are initialised, as far as there are so many.
+    local: [MaybeUninit<T>; LOCAL_LEVELS],
+    /// Those beyond them.
+    heap: Vec<T>,
+    len: usize,
+}
+
+impl<T: Copy> Stack<T> {
+    /// An empty stack for a tree of some depth.
+    #[inline(always)]
+    pub fn new(depth: usize) -> Self {
+        let heap = if depth <= LOCAL_LEVELS { Vec::new() } else { Vec::with_capacity(depth) };
+        Self { local: [const { MaybeUninit::uninit() }; LOCAL_LEVELS], heap, len: 0 }
+    }
+
+    #[inline(always)]
+    pub fn push(&mut self, entry: T) {
+        match self.local.get_mut(self.len) {
+            Some(slot) => _ = slot.write(entry),
+            None => self.heap.push(entry),
+        }
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    pub fn pop(&mut self) -> Option<T> {
+        self.len = self.len.checked_sub(1)?;
+        match self.local.get(self.len) {
+            // SAFETY: it lay below the old `len`, and `push` has written all of those.
+            Some(slot) => Some(unsafe { slot.assume_init() }),
+            None => self.heap.pop(),
+        }
+    }
+}
