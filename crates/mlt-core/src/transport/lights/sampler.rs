@@ -372,7 +372,7 @@ mod tests {
     use crate::transport::lights::region::LightRegion;
     use crate::transport::lights::strata::{LightStrata, Stratification};
     use crate::transport::scene::Scene;
-    use crate::transport::tests::worlds::{World, lamps};
+    use crate::transport::tests::worlds::{World, lamps, lamps_and_sky, outdoors, rough_metal};
     use glam::DVec3;
     use rand_pcg::rand_core::Rng;
 
@@ -398,12 +398,18 @@ mod tests {
 
     #[test]
     fn a_points_density_is_that_which_it_was_drawn_with() {
-        let world = lamps();
+        for (world, least) in [(lamps(), 1000), (lamps_and_sky(), 100), (outdoors(rough_metal()), 100)] {
+            check_densities(&world, least);
+        }
+    }
+
+    /// `least`: points of other regions that are to be met.
+    fn check_densities(world: &World, least: u32) {
         let (mut rng, mut elsewhere) = (generator(2, Purpose::Sample, 0, 0, 0), 0);
         let whole = LightRegion::whole(world.scene.lights());
-        for region in regions(&world) {
+        for region in regions(world) {
             let tree = region.light_sampler();
-            for vertex in vertices(&world).into_iter().step_by(3) {
+            for vertex in vertices(world).into_iter().step_by(3) {
                 for _ in 0..10 {
                     let [u, v] = points(&mut rng);
                     let (point, density) = tree.sample(&vertex, u, v);
@@ -417,18 +423,23 @@ mod tests {
                 }
             }
         }
-        assert!(elsewhere > 1000, "{elsewhere}");
+        assert!(elsewhere > least, "{elsewhere}");
     }
 
     /// Over points of density q, the mean of p/q is ∫ p dA = 1; and p is zero only where the light shows its back.
     #[test]
     fn densities_integrate_to_one_and_miss_no_light() {
-        let world = lamps();
+        let unseen = [lamps(), lamps_and_sky(), outdoors(rough_metal())].map(|world| check_integral(&world));
+        assert!(unseen[0] > 300, "{unseen:?}");
+    }
+
+    /// Returns how many points a vertex is not lit by.
+    fn check_integral(world: &World) -> u32 {
         let mut rng = generator(3, Purpose::Sample, 0, 0, 0);
         let (n, mut unseen) = (1000, 0);
-        for region in regions(&world) {
+        for region in regions(world) {
             let tree = region.light_sampler();
-            for vertex in vertices(&world).into_iter().step_by(4) {
+            for vertex in vertices(world).into_iter().step_by(4) {
                 let [mut sum, mut squares] = [0.0; 2];
                 for _ in 0..n {
                     let [u, v] = points(&mut rng);
@@ -452,7 +463,7 @@ mod tests {
                 );
             }
         }
-        assert!(unseen > 300, "{unseen}");
+        unseen
     }
 
     #[test]

@@ -4,6 +4,7 @@ pub(crate) mod balance;
 mod camera;
 pub(crate) mod paths;
 mod rooms;
+mod sky;
 mod strata;
 mod veils;
 mod visibility;

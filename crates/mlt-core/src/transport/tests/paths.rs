@@ -51,7 +51,7 @@ fn weights_of_all_techniques_of_a_path_sum_to_one() {
             assert!((sum - 1.0).abs() < 1e-9, "{name}: {sum} over {} vertices", vertices.len());
             paths += 1;
         });
-        assert!(paths > 2000, "{name}: {paths} paths");
+        assert!(paths > 500, "{name}: {paths} paths");
     }
 }
 
@@ -147,7 +147,7 @@ fn samples_for_the_image_are_those_of_paths() {
                 assert!(p == q && (a - b).length() < 1e-5 * a.length(), "{name}, sample {i}: {a} and {b} in {p}");
             }
         }
-        assert!(lit > 1000, "{name}: {lit}");
+        assert!(lit > 500, "{name}: {lit}");
     }
 }
 

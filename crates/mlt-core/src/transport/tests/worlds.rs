@@ -3,7 +3,7 @@
 use crate::transport::bsdf::{Bsdf, Lambert, MetallicRoughness};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
-use crate::transport::scene::{Camera, CameraPose, Material, Scene, SceneDescription, View};
+use crate::transport::scene::{Camera, CameraPose, Environment, Material, Scene, SceneDescription, View};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
@@ -40,6 +40,12 @@ impl Builder {
     pub fn mesh(mut self, mesh: Mesh, material: Material) -> Self {
         self.0.meshes.push(Mesh { material: self.0.materials.len() as u32, ..mesh });
         self.0.materials.push(material);
+        self
+    }
+
+    /// Under light from all around.
+    pub fn under(mut self, environment: Environment) -> Self {
+        self.0.environment = Some(environment);
         self
     }
 
@@ -154,6 +160,43 @@ pub(crate) fn lamps() -> World {
         .seen(DVec3::new(0.0, 0.4, 0.9), DVec3::ZERO, 60.0, [8, 8])
 }
 
+/// An overcast sky, brighter above, with a coloured sun of 12 by 9 degrees that holds half of its power, over a dark ground.
+pub(crate) fn cloudy() -> Environment {
+    let pixel = |i: u32, j: u32| match (i, j) {
+        (20, 5) => Rgb::new(260.0, 220.0, 120.0),
+        (_, 0..10) => Rgb::new(1.0, 1.2, 1.6) * (2.0 - 0.1 * j as f32),
+        _ => Rgb::new(0.2, 0.15, 0.1),
+    };
+    let pixels = (0..20).flat_map(|j| (0..30).map(move |i| pixel(i, j))).collect();
+    let (mut environment, _) = Environment::image([30, 20], pixels).expect("as many pixels as it says");
+    environment.rotation = 0.4;
+    environment
+}
+
+/// A floor with a ball of some material and a diffuse one beside it, under a cloudy sky that the camera sees.
+pub(crate) fn outdoors(bsdf: Bsdf) -> World {
+    let v = DVec3::new;
+    Builder::default()
+        .surface(quad([v(-2., 0., 2.), v(2., 0., 2.), v(2., 0., -2.), v(-2., 0., -2.)]), lambert(Rgb::splat(0.6)))
+        .surface(ball(v(-0.5, 0.6, 0.1), 0.5, true), bsdf)
+        .surface(ball(v(0.7, 0.5, 0.0), 0.4, false), lambert(Rgb::new(0.7, 0.3, 0.2)))
+        .under(cloudy())
+        .seen(v(0.3, 0.9, 3.6), v(0.0, 0.6, 0.0), 42.0, [16, 16])
+}
+
+/// The box with lamps behind a thin curtain, open to a sky that the camera does not see. All τ are powers of two.
+pub(crate) fn lamps_and_sky() -> World {
+    let v = DVec3::new;
+    let mut sky = cloudy();
+    (sky.visible, sky.strength) = (false, 0.5);
+    walls()
+        .light(ball(v(0.2, 0.3, -0.4), 0.05, false), Rgb::new(5.0, 4.0, 3.0), false)
+        .mesh(curtain(0.7), veil(lambert(Rgb::splat(0.5)), 0.5))
+        .surface(ball(v(-0.2, -0.4, 0.1), 0.4, true), glass(0.0))
+        .under(sky)
+        .seen(v(0.2, 0.1, 3.4), DVec3::ZERO, 44.0, [16, 16])
+}
+
 /// Water under a bright ceiling, from steep to grazing angles: nothing is seen but what the Fresnel term reflects.
 pub(crate) fn pond() -> World {
     let v = DVec3::new;
@@ -231,5 +274,8 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("veils", veils()),
         ("glowing ball", glowing()),
         ("lamps", lamps()),
+        ("sky", outdoors(glass(0.0))),
+        ("sky on gloss", outdoors(glossy())),
+        ("lamps and sky", lamps_and_sky()),
     ]
 }

@@ -274,7 +274,7 @@ mod tests {
     use crate::transport::tests::balance::{Imbalance, imbalance, imbalance_in_tiles, imbalance_of_mutation_only};
     use crate::transport::tests::paths::{check_recomputed, long_path};
     use crate::transport::tests::worlds::{
-        World, glass, glossy, glowing, lambert, lamps, mirror, room, two_lights, worlds,
+        World, glass, glossy, glowing, lambert, lamps, lamps_and_sky, mirror, outdoors, room, two_lights, worlds,
     };
 
     /// The steps of [`BidirectionalMutation::propose`], with a ratio of the caller's.
@@ -353,6 +353,8 @@ mod tests {
             ("two lights", two_lights(glass(0.0), mirror())),
             ("frosted glass", room(glass(0.4), false)),
             ("glowing ball", glowing()),
+            ("sky", outdoors(glass(0.0))),
+            ("lamps and sky", lamps_and_sky()),
         ] {
             let mutation = BidirectionalMutation { view: world.view() };
             for (cut, batches) in [(Stratification::None, 40_000), (Stratification::Grid(2, 1), 10_000)] {

@@ -15,7 +15,7 @@ use crate::transport::paths::mis::Ends;
 use crate::transport::paths::{LightPath, mis};
 use crate::transport::scene::{CameraPose, Material, Scene, SceneDescription, View};
 use crate::transport::tests::paths::set_edges_anew;
-use crate::transport::tests::worlds::{World, lambert, mirror, room};
+use crate::transport::tests::worlds::{World, cloudy, lambert, mirror, room};
 use glam::{DVec3, Vec3A};
 use std::f64::consts::{PI, TAU};
 
@@ -47,13 +47,13 @@ fn ball(centre: DVec3, radius: f64, material: u32) -> Mesh {
     }
 }
 
-/// A glass ball and a mirror over a floor, before a wall, under a lamp.
-fn scene() -> Scene {
+/// A glass ball and a mirror over a floor, before a wall, under a lamp or under a cloudy sky.
+fn scene(sky: bool) -> Scene {
     let material =
         |bsdf, emission| Material { name: String::new(), bsdf, emission, emits_both_sides: false, opacity: 1.0 };
     let materials = vec![
         material(Bsdf::Lambert(Lambert { reflectance: Rgb::splat(0.7) }), Rgb::ZERO),
-        material(Bsdf::Black, Rgb::splat(10.0)),
+        material(Bsdf::Black, Rgb::splat(if sky { 0.0 } else { 10.0 })),
         material(Bsdf::Dielectric(Dielectric { ior: 1.5, tint: Rgb::ONE }), Rgb::ZERO),
         material(Bsdf::Mirror(Mirror { f0: Rgb::splat(0.9) }), Rgb::ZERO),
     ];
@@ -64,7 +64,8 @@ fn scene() -> Scene {
         ball(DVec3::new(-0.3, 0.8, 0.1), 0.6, 2),
         quad([[1.2, 0.1, 1.], [1.5, 0.1, -1.], [1.5, 2., -1.], [1.2, 2., 1.]], 3),
     ];
-    Scene::new(SceneDescription { meshes, materials, ..SceneDescription::default() }).expect("valid")
+    let environment = sky.then(cloudy);
+    Scene::new(SceneDescription { meshes, materials, environment, ..SceneDescription::default() }).expect("valid")
 }
 
 fn pose() -> CameraPose {
@@ -114,9 +115,13 @@ fn features(view: &View, path: &LightPath) -> [f64; 15] {
 /// Largest |z| over the features' mean drifts in one step of the mutation of that name, over paths that it applies to, and
 /// its acceptance. Ratios are taken as wrong by the factor error(x)/error(y).
 fn drift(name: &str, error: impl Fn(&View, &LightPath) -> f64) -> (f64, f64) {
-    let scene = scene();
+    drift_in(&scene(false), 400_000, name, error)
+}
+
+/// The same in a scene, of so many samples.
+fn drift_in(scene: &Scene, samples: u64, name: &str, error: impl Fn(&View, &LightPath) -> f64) -> (f64, f64) {
     let camera = scene.camera(&pose(), [64, 64]);
-    let view = View { scene: &scene, camera: &camera };
+    let view = View { scene, camera: &camera };
     let strata = LightStrata::new(scene.lights(), Stratification::None);
     let within = &LightStratum::all(&strata, view, MOST_EDGES)[0];
     let region = LightRegion::whole(scene.lights());
@@ -127,7 +132,6 @@ fn drift(name: &str, error: impl Fn(&View, &LightPath) -> f64) -> (f64, f64) {
     let mut proposal = LightPath::default();
     let (mut sums, mut squares) = ([0.0; 15], [0.0; 15]);
     let (mut accepted, mut proposed) = (0.0, 0.0);
-    let samples = 400_000;
     for sample in 0..samples {
         let mut rng = generator(7, Purpose::Chain, 0, 0, sample);
         let mut drifts = [0.0; 15];
@@ -164,6 +168,23 @@ fn each_perturbation_keeps_the_distribution() {
         assert!(z < 4.0, "{name}: z = {z}");
         assert!(acceptance > 0.2, "{name}: acceptance {acceptance}");
     }
+}
+
+/// Under a sky, and with the control that a ray moved aside forgets the cosine at what it meets.
+#[test]
+fn each_perturbation_keeps_the_distribution_under_a_sky() {
+    let scene = &scene(true);
+    for name in PERTURBATIONS {
+        let (z, acceptance) = drift_in(scene, 200_000, name, |_, _| 1.0);
+        assert!(z < 4.0, "{name}: z = {z}");
+        assert!(acceptance > 0.1, "{name}: acceptance {acceptance}");
+    }
+    let cosine = |_: &View, path: &LightPath| {
+        let moved = path.vertices[1..path.edges() - 1].iter().all(|x| x.vertex.delta);
+        if moved { f64::from(path.vertices[0].cosines[1]) } else { 1.0 }
+    };
+    let (z, _) = drift_in(scene, 600_000, "caustic", cosine);
+    assert!(z > 5.0, "z = {z} without the cosine");
 }
 
 #[test]
@@ -203,7 +224,7 @@ fn a_forgotten_distance_is_found() {
 /// What a proposal keeps of the old path, and what it sets, is what the whole path computed anew has.
 #[test]
 fn proposals_are_complete() {
-    let scene = scene();
+    let scene = scene(false);
     let camera = scene.camera(&pose(), [64, 64]);
     let view = View { scene: &scene, camera: &camera };
     let strata = LightStrata::new(scene.lights(), Stratification::None);

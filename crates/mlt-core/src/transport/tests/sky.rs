@@ -1,0 +1,260 @@
+//! Light from all around: its distribution, and closed forms.
+
+use super::worlds::{Builder, World, ball, cloudy, glass, glossy, lambert, lamps_and_sky, mirror, outdoors, quad};
+use crate::check::{self, Trials};
+use crate::engine::{Generator, Purpose, generator, uniform, uniform_f32};
+use crate::transport::colour::{Rgb, luminance};
+use crate::transport::image::mean_luminance;
+use crate::transport::lights::{LightRegion, LightStrata, Stratification};
+use crate::transport::methods::metropolis::LightStratum;
+use crate::transport::methods::{Counts, Method, Settings};
+use crate::transport::paths::mis::Ends;
+use crate::transport::paths::subpath::{
+    light_numbers, start_at_eye, start_at_light, start_near, step_from_eye, step_from_light,
+};
+use crate::transport::paths::{LightPath, Luminance, PathVertex, mis, set_scattering};
+use crate::transport::render::Renderer;
+use crate::transport::scene::Environment;
+use crate::transport::scene::light::{Light, Shape};
+use glam::{DVec3, Vec2, Vec3};
+use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
+
+/// A floor that fills the image, under an environment.
+fn floor(environment: Environment) -> World {
+    let v = DVec3::new;
+    Builder::default()
+        .surface(quad([v(-1., 0., 1.), v(1., 0., 1.), v(1., 0., -1.), v(-1., 0., -1.)]), lambert(Rgb::splat(0.5)))
+        .under(environment)
+        .seen(v(0.1, 1.0, 0.2), v(0.0, 0.0, 0.0), 40.0, [4, 4])
+}
+
+/// An image that is bright above and dark below, or the other way round.
+fn halves(above: f32, below: f32) -> Environment {
+    let pixels = (0..512).map(|i| Rgb::splat(if i < 256 { above } else { below })).collect();
+    Environment::image([1, 512], pixels).expect("as many pixels as it says").0
+}
+
+fn radiance(light: &Light, direction: Vec3) -> f64 {
+    let Shape::Environment(around) = &light.shape else { panic!("an environment") };
+    f64::from(luminance(around.radiance(direction)))
+}
+
+/// ∫ radiance dω over 16 × 16 cells of equal solid angle; `measure`: dω over dz dφ, which is 1.
+fn power_of_cells(light: &Light, measure: impl Fn(f64) -> f64) -> Vec<f64> {
+    const FINE: usize = 24;
+    let mut cells = vec![0.0; 256];
+    for (i, j) in (0..16 * FINE).flat_map(|i| (0..16 * FINE).map(move |j| (i, j))) {
+        let at = |i: usize| (i as f64 + 0.5) / (16 * FINE) as f64;
+        let (z, azimuth) = (1.0 - 2.0 * at(i), TAU * at(j) - PI);
+        let sin = (1.0 - z * z).sqrt();
+        let direction = DVec3::new(sin * azimuth.cos(), z, sin * azimuth.sin()).as_vec3();
+        cells[i / FINE * 16 + j / FINE] += radiance(light, direction) * measure(z);
+    }
+    let sum: f64 = cells.iter().sum();
+    cells.into_iter().map(|cell| cell / sum).collect()
+}
+
+/// χ² of directions drawn by power, against the image's integral over cells: with density L dω, and, as a control, with densities per
+/// angle from the top instead of per height.
+#[test]
+fn directions_are_drawn_in_proportion_to_luminance() {
+    let world = floor(cloudy());
+    let lights = world.scene.lights();
+    let (light, region) = (&lights.lights[0], LightRegion::whole(lights));
+    let mut rng = generator(1, Purpose::Sample, 0, 0, 0);
+    let (n, mut counts) = (100_000, vec![0.0; 256]);
+    for _ in 0..n {
+        let point = region.sample(uniform(&mut rng), uniform(&mut rng));
+        let direction = world.scene.light_point(&point).1.position;
+        let row = (8.0 * (1.0 - direction.y)).clamp(0.0, 15.0) as usize;
+        let column = (16.0 * (f64::from(direction.z.atan2(direction.x)) / TAU + 0.5)).clamp(0.0, 15.0) as usize;
+        counts[row * 16 + column] += 1.0;
+    }
+    let chi2 = |cells: &[f64]| -> f64 {
+        counts
+            .iter()
+            .zip(cells)
+            .map(|(count, p): (&f64, _)| (count - p * f64::from(n)).powi(2) / (p * f64::from(n)))
+            .sum()
+    };
+    let found = chi2(&power_of_cells(light, |_| 1.0));
+    assert!(found < 340.0, "χ² = {found} with 255 degrees of freedom");
+    let wrong = chi2(&power_of_cells(light, |z| (1.0 - z * z).max(0.0).sqrt().recip().min(10.0)));
+    assert!(wrong > 1000.0, "χ² = {wrong} without the sine");
+}
+
+#[test]
+fn a_direction_leads_back_to_its_point_of_the_square() {
+    for environment in [cloudy(), Environment::sky(), Environment::constant(Rgb::ONE), halves(1.0, 0.0)] {
+        let world = floor(environment);
+        let lights = world.scene.lights();
+        let mut rng = generator(2, Purpose::Sample, 0, 0, 0);
+        for _ in 0..3000 {
+            let (u, v) = (uniform(&mut rng), uniform(&mut rng));
+            let point = LightRegion::whole(lights).sample(u, v);
+            let (light, vertex) = world.scene.light_point(&point);
+            assert!((vertex.position.length() - 1.0).abs() < 1e-6 && radiance(light, vertex.position.into()) > 0.0);
+            let back = lights.point(vertex.primitive, vertex.position).expect("on the environment");
+            let off = |a: f64, b: f64| (a - b).abs().min(1.0 - (a - b).abs());
+            // Around the poles azimuths are all one place.
+            let near_pole = vertex.position.y.abs() > 0.999;
+            assert!(off(point.u, back.u) < 2e-5 && (near_pole || off(point.v, back.v) < 2e-5), "{point:?} {back:?}");
+        }
+    }
+}
+
+/// Density of M/Φ integrates to 1 over directions, and the sky is 1 in the mean.
+#[test]
+fn power_is_the_integral_of_exitance() {
+    for (environment, mean) in [(Environment::sky(), 1.0), (Environment::constant(Rgb::splat(0.25)), 0.25)] {
+        let world = floor(environment);
+        let [light] = &world.scene.lights().lights[..] else { panic!("one light") };
+        assert!((f64::from(luminance(light.emission)) / mean - 1.0).abs() < 2e-3, "{}", light.emission);
+        let radius = f64::from(world.scene.sphere().radius);
+        let power = 4.0 * PI * f64::from(luminance(light.emission)) * PI * radius * radius;
+        assert!((light.power() / power - 1.0).abs() < 1e-6);
+    }
+}
+
+/// What one technique alone makes of the light that a floor reflects at once: the mean over samples, and its standard error. Densities
+/// are taken `wrong`(path) times too large.
+fn alone(world: &World, s: usize, wrong: impl Fn(&LightPath) -> f64) -> [f64; 2] {
+    let (view, region) = (world.view(), LightRegion::whole(world.scene.lights()));
+    let sample = |path: &mut LightPath, rng: &mut Generator| -> Option<f64> {
+        path.vertices = vec![PathVertex::new(view.camera.vertex()); 3];
+        let film = Vec2::new(uniform_f32(rng), uniform_f32(rng));
+        path.cross(&view, film);
+        if s == 2 {
+            (path.vertices[0], path.light) = start_at_light(&view, &region, light_numbers(rng));
+            step_from_light(&mut path.vertices, 0, &view, rng)?;
+        } else {
+            start_at_eye(&mut path.vertices, 2, film, &view, rng)?;
+            set_scattering(&mut path.vertices, 2, &view)?;
+        }
+        if s == 1 {
+            let x_1 = path.vertices[1].vertex;
+            (path.vertices[0], path.light, _) = start_near(&view, &region, &x_1, light_numbers(rng));
+        }
+        if s == 0 {
+            step_from_eye(&mut path.vertices, 1, &view, rng)?;
+            let x = &path.vertices[0].vertex;
+            path.light = view.scene.lights().point(x.primitive, x.position)?;
+            path.update(&view, 0..=2)?;
+        } else {
+            path.connect(&view, s, 0..=2)?;
+        }
+        let ends = Ends::new(path, &view, &region, 1.0);
+        Some(path.contribution().x / (mis::density(path.vertices(), s, ends) * wrong(path)))
+    };
+    let (n, mut path) = (40_000, LightPath::default());
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for i in 0..n {
+        let value = sample(&mut path, &mut generator(3, Purpose::Sample, 0, s as u64, i)).unwrap_or(0.0);
+        (sum, squares) = (sum + value, squares + value * value);
+    }
+    let mean = sum / n as f64;
+    [mean, ((squares / n as f64 - mean * mean) / n as f64).sqrt()]
+}
+
+/// Each technique by itself: met by chance, drawn for the floor, and sent from the disc. A floor of albedo ρ under a sky of radiance L
+/// shows ρ L; so it does under its upper half, and nothing under its lower one.
+#[test]
+fn each_technique_alone_finds_what_a_floor_reflects() {
+    for s in 0..3 {
+        for (environment, expected) in [
+            (Environment::constant(Rgb::splat(2.0)), 1.0),
+            (halves(2.0, 0.0), 1.0),
+            // E/π of 1 + 0.6 cosθ′ is 1 + 0.4 cosine of the brightest direction with the normal.
+            (Environment::sky(), 0.5 * (1.0 + 0.4 * 0.848)),
+        ] {
+            let [mean, error] = alone(&floor(environment), s, |_| 1.0);
+            assert!((mean - expected).abs() < 4.0 * error + 2e-3 * expected, "s = {s}: {mean} ± {error}, {expected}");
+        }
+        let [dark, _] = alone(&floor(halves(0.0, 2.0)), s, |_| 1.0);
+        assert!(dark < 1e-2, "s = {s}: {dark}");
+    }
+}
+
+/// The controls: without π R², and without the cosine at the floor, what is sent from the disc is wrong.
+#[test]
+fn a_wrong_density_of_what_is_sent_is_seen() {
+    let world = floor(Environment::constant(Rgb::splat(2.0)));
+    let area = world.scene.sphere().pdf();
+    let off = |wrong: &dyn Fn(&LightPath) -> f64| {
+        let [mean, error] = alone(&world, 2, wrong);
+        (mean - 1.0).abs() / error
+    };
+    assert!(off(&|_| 1.0 / f64::from(area)) > 10.0, "without π R²");
+    assert!(off(&|path| 1.0 / f64::from(path.vertices[0].cosines[1])) > 10.0, "without the cosine");
+}
+
+fn settings(method: Method, strata: Stratification) -> Settings {
+    Settings { stratification: strata, max_edges: Some(8), ..Settings::new(method, 64.0) }
+}
+
+/// Mean luminance of an image and its standard error.
+fn mean_of(world: &World, settings: Settings) -> [f64; 2] {
+    let renderer = Renderer::new(world.view(), settings);
+    let (mut film, mut counts) = (renderer.film(), Counts::default());
+    renderer.render(0..24, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
+    let mean = mean_luminance(&film);
+    [mean.mean, mean.stderr]
+}
+
+/// A convex white body under a sky of radiance 1 vanishes; a grey one shows its albedo.
+#[test]
+fn a_furnace_is_even() {
+    let world = Builder::default()
+        .surface(ball(DVec3::ZERO, 1.0, false), lambert(Rgb::ONE))
+        .under(Environment::constant(Rgb::ONE))
+        .seen(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, 40.0, [8, 8]);
+    for method in METHODS {
+        let [mean, error] = mean_of(&world, settings(method, Stratification::None));
+        assert!((mean - 1.0).abs() < 4.0 * error + 1e-3, "{method:?}: {mean} ± {error}");
+        assert!(error < 0.02, "{method:?}: ± {error}");
+    }
+}
+
+const METHODS: [Method; 6] = [
+    Method::Path,
+    Method::Bidirectional,
+    Method::Metropolis,
+    Method::PrimaryBidirectional,
+    Method::Multiplexed,
+    Method::Auto,
+];
+
+/// All methods see the same sky, sunlit caustics of glass among it.
+#[test]
+fn methods_agree_under_a_sky() {
+    for (name, world) in [("glass", outdoors(glass(0.0))), ("gloss", outdoors(glossy())), ("lamps", lamps_and_sky())] {
+        let found: Vec<_> = METHODS
+            .into_iter()
+            .map(|method| (method, Stratification::None))
+            .chain([Method::Metropolis, Method::Multiplexed].map(|method| (method, Stratification::Grid(4, 4))))
+            .map(|(method, strata)| (method, strata, mean_of(&world, settings(method, strata))))
+            .collect();
+        let weight: f64 = found.iter().map(|(.., [_, error])| error.powi(-2)).sum();
+        let mean = found.iter().map(|(.., [mean, error])| mean * error.powi(-2)).sum::<f64>() / weight;
+        for (method, strata, [found, error]) in found {
+            assert!(
+                (found - mean).abs() < 4.0 * error,
+                "{name}, {method:?}, {strata:?}: {found} ± {error}, mean {mean}"
+            );
+        }
+    }
+}
+
+/// Strata over directions are a partition whose samples are what they say.
+#[test]
+fn strata_over_directions_pass_the_checks() {
+    for world in [outdoors(mirror()), lamps_and_sky()] {
+        let parts = LightStrata::new(world.scene.lights(), Stratification::Grid(2, 2));
+        let strata = LightStratum::all(&parts, world.view(), 6);
+        let whole = LightStrata::new(world.scene.lights(), Stratification::None);
+        let [whole] = &LightStratum::all(&whole, world.view(), 6)[..] else { panic!("one stratum") };
+        let report = check::strata(&strata, whole, &Luminance, Trials { count: 10_000, seed: 1 });
+        assert!(report.is_sound(), "{report}");
+    }
+}
