@@ -4,6 +4,7 @@ mod blocks;
 mod files;
 mod losses;
 mod plan;
+mod pose;
 mod session;
 mod setup;
 mod speed;
