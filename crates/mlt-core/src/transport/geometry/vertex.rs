@@ -83,7 +83,6 @@ impl Vertex {
     }
 
     /// Where an edge to another vertex begins: of a parallel vertex, a point of its plane.
-    #[cold]
     pub(crate) fn opposite(&self, other: &Self) -> Self {
         if !self.is_parallel() {
             return *self;
@@ -108,6 +107,12 @@ impl Vertex {
     #[inline]
     pub fn is_parallel(&self) -> bool {
         self.place == Place::Parallel
+    }
+
+    /// Whether this and `other` are directions, of which that of `other` alone can be the edge between them: no connection makes it.
+    #[inline]
+    pub(crate) fn is_met_by_one_ray(&self, other: &Self) -> bool {
+        self.is_distant() & other.is_parallel()
     }
 
     /// Squared length of an edge from here to `other`, as densities per solid angle are divided by it; 1 where either is infinitely far

@@ -3,8 +3,8 @@
 //! A distant light's vertex is a direction, and its measure is solid angle. Light from there is dE = L |cosθ| dω at the other end,
 //! so the edge has neither 1/d² nor a cosine of its own. The same holds at the other end for an orthographic camera.
 
-use crate::transport::geometry::{Place, Vertex};
 use crate::transport::geometry::math::abs_dot;
+use crate::transport::geometry::{Place, Vertex};
 use glam::Vec3A;
 
 /// The edge between two vertices.
@@ -54,12 +54,6 @@ impl Edge {
             Place::Distant | Place::Parallel => 1.0,
         };
         Self { direction, inverse_square: 1.0, cosines: ends.map(cos) }
-    }
-
-    /// Whether both ends are directions, so that nothing but the ray along the second's own meets the first.
-    #[inline]
-    pub(crate) fn is_one_direction(x: &Vertex, y: &Vertex) -> bool {
-        x.is_distant() & y.is_parallel()
     }
 
     #[inline(always)]

@@ -78,7 +78,7 @@ impl PathTracer<'_> {
         let ray = camera.sample(film, &lens);
         let Some((vertex, passed)) = scene.follow_camera_ray(ray.origin, ray.step, rng) else { return };
         let direction = ray.direction();
-        let drawn = camera.has_tiny_lights() && !Edge::is_one_direction(&vertex, &lens);
+        let drawn = camera.has_tiny_lights() && !vertex.is_met_by_one_ray(&lens);
         let pdf = drawn.then(|| camera.pdf(direction) * passed / vertex.distance_squared(&lens));
         let walk = Walk {
             vertex,
