@@ -38,7 +38,7 @@ impl Eye {
 
 impl From<&CameraPose> for Eye {
     fn from(pose: &CameraPose) -> Self {
-        Self::new(pose.position.as_vec3(), pose.forward, pose.up, (0.5 * pose.vertical_fov).tan())
+        Self::new(pose.position.as_vec3(), pose.forward, pose.up, (0.5 * pose.lens.vertical_fov().unwrap_or(0.7)).tan())
     }
 }
 

@@ -10,7 +10,7 @@ use mlt_core::transport::lights::{LightStrata, Stratification};
 use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
 use mlt_core::transport::methods::primary::{AllConnections, Multiplexed, Part, Techniques};
 use mlt_core::transport::paths::{LightPath, Luminance};
-use mlt_core::transport::scene::{CameraPose, Material, Scene, SceneDescription, View};
+use mlt_core::transport::scene::{CameraPose, Lens, Material, Scene, SceneDescription, View};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -84,7 +84,7 @@ fn scene() -> SceneDescription {
             position: DVec3::new(0.1, 1.0, 4.0),
             forward: Vec3::NEG_Z,
             up: Vec3::Y,
-            vertical_fov: 0.7,
+            lens: Lens::Pinhole { vertical_fov: 0.7 },
             aspect_ratio: None,
         }],
         ..SceneDescription::default()

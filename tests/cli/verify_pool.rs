@@ -5,7 +5,7 @@ use std::{f64::consts::PI, path::Path};
 use mlt_core::transport::LUMINANCE;
 use mlt_core::transport::image::luminance_and_error;
 use mlt_core::transport::render::{Method, Renderer, Settings};
-use mlt_core::transport::scene::{CameraPose, Scene, View};
+use mlt_core::transport::scene::{CameraPose, Lens, Scene, View};
 use std::ops::ControlFlow;
 
 const LAMP: f64 = 2.0;
@@ -84,7 +84,7 @@ fn path_tracing_finds_the_light_in_the_pool() {
     const ROWS: usize = 3;
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/stability/pool/scene.gltf");
     let description = mlt_scene::load(&file).expect("loaded").description;
-    let pose = CameraPose { vertical_fov: FOV as f32, ..description.cameras[0].clone() };
+    let pose = CameraPose { lens: Lens::Pinhole { vertical_fov: FOV as f32 }, ..description.cameras[0].clone() };
     let scene = Scene::new(description).expect("valid");
     let camera = scene.camera(&pose, [1, ROWS as u32]);
     let settings = Settings::new(Method::Path, 65_536.0).with(|s| (s.max_edges, s.seed) = (Some(4), 5));

@@ -9,7 +9,7 @@ use mlt_core::transport::bsdf::{Bsdf, Lambert, Mirror};
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::image::luminance_and_error;
 use mlt_core::transport::render::{Method, Renderer, Settings};
-use mlt_core::transport::scene::{Camera, CameraPose, Material, Scene, SceneDescription, View};
+use mlt_core::transport::scene::{Camera, CameraPose, Lens, Material, Scene, SceneDescription, View};
 use std::ops::ControlFlow;
 
 const MIRRORS: usize = 10;
@@ -72,7 +72,7 @@ fn duct() -> (Scene, Camera) {
         position: DVec3::new(-1.0, 0.0, 0.0),
         forward: Vec3::X,
         up: Vec3::Z,
-        vertical_fov: 2f32.to_radians(),
+        lens: Lens::Pinhole { vertical_fov: 2f32.to_radians() },
         aspect_ratio: None,
     };
     let scene = Scene::new(description).expect("valid");

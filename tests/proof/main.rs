@@ -3,6 +3,7 @@
 mod agreement;
 mod analytic;
 mod auto;
+mod cameras;
 mod determinism;
 mod duct;
 mod primary;

@@ -10,7 +10,7 @@ use mlt_core::transport::methods::MOST_EDGES;
 use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
 use mlt_core::transport::paths::Luminance;
 use mlt_core::transport::render::{Method, Renderer, Settings, film_unit};
-use mlt_core::transport::scene::{Camera, CameraPose, Material, Scene, SceneDescription, View, rays_traced};
+use mlt_core::transport::scene::{Camera, CameraPose, Lens, Material, Scene, SceneDescription, View, rays_traced};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::ops::{ControlFlow, Range};
@@ -54,7 +54,7 @@ pub fn pose(position: DVec3, target: DVec3, degrees: f32) -> CameraPose {
         position,
         forward,
         up: side.cross(forward),
-        vertical_fov: degrees.to_radians(),
+        lens: Lens::Pinhole { vertical_fov: degrees.to_radians() },
         aspect_ratio: None,
     }
 }

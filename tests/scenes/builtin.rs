@@ -22,7 +22,7 @@ fn cornell_has_the_right_numbers() {
     assert_eq!((triangles(scene), lights(scene)), (32, 1));
 
     let camera = &scene.cameras[0];
-    assert!((camera.vertical_fov - 0.685_914_4).abs() < 1e-6);
+    assert!((camera.lens.vertical_fov().unwrap() - 0.685_914_4).abs() < 1e-6);
     assert!(camera.position.distance(DVec3::new(2.78, 2.73, -8.0)) < 1e-6);
     assert_eq!((camera.forward, camera.up, camera.aspect_ratio), (Vec3::Z, Vec3::Y, Some(1.0)));
 

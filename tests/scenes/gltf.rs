@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 use mlt_core::memory::Memory;
 use mlt_core::transport::bsdf::Bsdf;
 use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::scene::Lens;
 use mlt_scene::LoadOptions;
 use serde_json::{Value, json};
 
@@ -251,12 +252,40 @@ fn cameras_stand_where_their_nodes_stand() {
     let camera = &loaded.description.cameras[0];
     assert_eq!(camera.position, DVec3::new(1.0, 2.0, 3.0));
     assert!(camera.forward.distance(Vec3::Z) < 1e-6 && camera.up.distance(Vec3::Y) < 1e-6);
-    assert_eq!((camera.vertical_fov, camera.aspect_ratio, camera.name.as_str()), (1.0, Some(1.5), "eye"));
+    assert_eq!((camera.lens.vertical_fov(), camera.aspect_ratio, camera.name.as_str()), (Some(1.0), Some(1.5), "eye"));
 
     let orthographic =
-        json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 1, "znear": 0, "zfar": 9 } });
-    warning(&Document::new().with("/cameras/0", orthographic), "orthographic");
+        json!({ "type": "orthographic", "orthographic": { "xmag": 3, "ymag": -2, "znear": 0, "zfar": 9 } });
+    let loaded = Document::new().with("/cameras/0", orthographic.clone()).loaded();
+    let camera = &loaded.description.cameras[0];
+    assert_eq!((camera.lens, camera.aspect_ratio), (Lens::Orthographic { height: 4.0 }, Some(1.5)));
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    warning(&Document::new().with("/cameras/0", orthographic).with("/cameras/0/orthographic/ymag", 0.into()), "size");
     warning(&Document::new().with("/cameras/0/perspective/yfov", 4.0.into()), "field of view");
+}
+
+/// 50 mm at f/2 is a lens of 25 mm; 36 mm of film are as wide as the image's longer side sees.
+#[test]
+fn lenses_are_read_from_blenders_names() {
+    let wide = Document::new().with("/cameras/0/perspective/aspectRatio", 2.0.into());
+    let lens = |extras: Value| wide.clone().with("/cameras/0/extras", extras).loaded().description.cameras[0].lens;
+    let expect = |lens: Lens, expected: f64| match lens {
+        Lens::Thin { radius, focus, .. } => assert!((radius - expected).abs() < 1e-6 && focus == 3.0, "{lens:?}"),
+        other => panic!("{other:?}"),
+    };
+    expect(lens(json!({ "lens": 50, "aperture_fstop": 2, "focus_distance": 3 })), 0.0125);
+    let focal = 0.018 / (2.0 * 0.5f64.tan());
+    expect(lens(json!({ "dof": { "use_dof": true, "aperture_fstop": 4, "focus_distance": 3 } })), focal / 8.0);
+    let sharp = Lens::Pinhole { vertical_fov: 1.0 };
+    for extras in [
+        json!({ "dof": { "use_dof": false, "aperture_fstop": 4, "focus_distance": 3 } }),
+        json!({ "aperture_fstop": 4 }),
+        json!({ "aperture_fstop": "4", "focus_distance": 3 }),
+        json!({ "aperture_fstop": 0, "focus_distance": 3 }),
+        json!(7),
+    ] {
+        assert_eq!(lens(extras), sharp);
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::support::{check_sentence, load_files};
 use glam::{DVec3, Vec3};
 use mlt_core::transport::bsdf::Bsdf;
-use mlt_core::transport::scene::SceneDescription;
+use mlt_core::transport::scene::{Lens, SceneDescription};
 use mlt_scene::{BUILTIN, Loaded, SceneError, bounds, camera_framing, camera_look_at, open};
 use std::{collections::HashMap, fmt::Write};
 
@@ -299,7 +299,7 @@ fn names_in_latin_1_are_told_apart() {
 fn cameras_for_files_without_any() {
     let [from, to] = [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, 4.0, -5.0)];
     let camera = camera_look_at(from, to, 1.0);
-    assert_eq!((camera.forward, camera.up, camera.vertical_fov), (Vec3::NEG_Z, Vec3::Y, 1.0));
+    assert_eq!((camera.forward, camera.up, camera.lens), (Vec3::NEG_Z, Vec3::Y, Lens::Pinhole { vertical_fov: 1.0 }));
     for to in [from, from + DVec3::Y, from - DVec3::Y, DVec3::NAN] {
         let camera = camera_look_at(from, to, 1.0);
         assert!((camera.forward.length() - 1.0).abs() < 1e-6 && (camera.up.length() - 1.0).abs() < 1e-6, "{camera:?}");
@@ -310,7 +310,7 @@ fn cameras_for_files_without_any() {
     let around = bounds(&scene).unwrap();
     assert_eq!(around, [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)]);
     let camera = camera_framing(around);
-    let half = f64::from(camera.vertical_fov / 2.0);
+    let half = f64::from(camera.lens.vertical_fov().unwrap() / 2.0);
     for point in scene.meshes.iter().flat_map(|m| &m.positions) {
         let to_point = *point - camera.position;
         assert!(to_point.angle_between(camera.forward.as_dvec3()) <= half);

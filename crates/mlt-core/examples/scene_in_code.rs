@@ -9,7 +9,7 @@ use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::image::mean_luminance;
 use mlt_core::transport::lights::Stratification;
 use mlt_core::transport::render::{Method, Renderer, Settings};
-use mlt_core::transport::scene::{CameraPose, Material, Scene, SceneDescription, UnusableScene, View};
+use mlt_core::transport::scene::{CameraPose, Lens, Material, Scene, SceneDescription, UnusableScene, View};
 use std::ops::ControlFlow;
 
 fn main() -> Result<(), UnusableScene> {
@@ -27,7 +27,7 @@ fn main() -> Result<(), UnusableScene> {
         position: DVec3::new(0.0, 1.8, 3.0),
         forward: Vec3::new(0.0, -0.5, -0.85).normalize(),
         up: Vec3::new(0.0, 0.85, -0.5).normalize(),
-        vertical_fov: 50f32.to_radians(),
+        lens: Lens::Pinhole { vertical_fov: 50f32.to_radians() },
         aspect_ratio: None,
     };
     let scene = Scene::new(description)?;

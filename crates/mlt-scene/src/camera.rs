@@ -1,7 +1,7 @@
 //! Cameras for files that bring none.
 
 use glam::{DVec3, Vec3};
-use mlt_core::transport::scene::{CameraPose, SceneDescription};
+use mlt_core::transport::scene::{CameraPose, Lens, SceneDescription};
 
 /// A camera at `from` that looks at `to` with +y up; `vertical_fov` in radians.
 ///
@@ -14,7 +14,7 @@ pub fn camera_look_at(from: DVec3, to: DVec3, vertical_fov: f32) -> CameraPose {
         position: from,
         forward: forward.as_vec3().normalize_or(Vec3::NEG_Z),
         up: right.cross(forward).as_vec3().normalize_or(Vec3::Y),
-        vertical_fov,
+        lens: Lens::Pinhole { vertical_fov },
         aspect_ratio: None,
     }
 }

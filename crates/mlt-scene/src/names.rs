@@ -4,15 +4,15 @@ use crate::text::shown;
 
 /// Names that a message lists at most.
 const LISTED: usize = 8;
-/// Similarity (Jaro–Winkler, 0…1) from which one name may have been meant for another.
-const SIMILAR: f64 = 0.8;
+/// Similarity (1 − edits over letters) from which one name may have been meant for another.
+const SIMILAR: f64 = 0.6;
 
 /// What to say to someone who asked for `name` where only `names` are: the one that was meant, and those that there are.
 pub fn instead_of(name: &str, names: &[&str]) -> String {
     if names.is_empty() {
         return "it has none with a name".to_owned();
     }
-    let likeness = |other: &&str| strsim::jaro_winkler(&name.to_lowercase(), &other.to_lowercase());
+    let likeness = |other: &&str| strsim::normalized_damerau_levenshtein(&name.to_lowercase(), &other.to_lowercase());
     let nearest = names.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
     let meant = nearest.filter(|other| likeness(other) >= SIMILAR);
     let question = meant.map_or_else(String::new, |other| format!("did you mean \"{}\"? ", shown(other)));

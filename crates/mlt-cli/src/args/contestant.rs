@@ -8,7 +8,7 @@ use super::{render::RenderOptions, scene::SceneOptions};
 use crate::exit::one_sentence;
 
 /// Options that all runs of a study share beside [`SceneOptions`], and that a method can therefore not have for itself.
-const SHARED: [&str; 15] = [
+const SHARED: [&str; 17] = [
     "output",
     "max-length",
     "mutations-per-pixel",
@@ -23,6 +23,8 @@ const SHARED: [&str; 15] = [
     "camera-from",
     "camera-to",
     "fov",
+    "aperture",
+    "focus",
     "exposure",
 ];
 

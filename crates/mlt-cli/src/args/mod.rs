@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+pub mod aperture;
 pub mod bench;
 pub mod contestant;
 pub mod perturbations;

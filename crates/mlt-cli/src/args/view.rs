@@ -3,7 +3,10 @@
 use clap::Args;
 use serde::Serialize;
 
-use super::values::{Size, angle, point};
+use super::{
+    aperture::Aperture,
+    values::{Size, angle, point, positive},
+};
 
 /// The camera and its image.
 #[derive(Args, Clone, Debug, PartialEq, Serialize)]
@@ -25,4 +28,12 @@ pub struct ViewOptions {
     /// The camera's full vertical opening angle
     #[arg(long, value_name = "DEGREES", value_parser = angle, help_heading = "Camera")]
     pub fov: Option<f64>,
+    /// The camera's lens: its diameter in the scene's units, as in 0.05, or its f-number, as in f/2.8, in a scene of metres and for
+    /// film 36 mm wide; 0 for a pinhole. What the file says if not given
+    #[arg(long, value_name = "F", help_heading = "Camera")]
+    pub aperture: Option<Aperture>,
+    /// Distance of what is in focus, along the viewing direction, in the scene's units; if not given, what the file says, or that of
+    /// --camera-to
+    #[arg(long, value_name = "DISTANCE", value_parser = positive, help_heading = "Camera")]
+    pub focus: Option<f64>,
 }

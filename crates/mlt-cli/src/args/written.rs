@@ -60,7 +60,7 @@ mod tests {
     fn options_that_are_written_out_are_read_back() {
         let parse = |words: Vec<String>| Line::parse_from([vec!["mlt".to_owned()], words].concat()).options;
         let line = "--strata=4x4,length --weights=power --rounds-pilot=8 --variant=mutation-only --perturbations=lens,caustic \
-                    --importance=relative --max-length=5 --seed=7 --size=64x48 --camera-from=-1,2.5,3 --camera-to=0,0,-1 --fov=40";
+                    --importance=relative --max-length=5 --seed=7 --size=64x48 --camera-from=-1,2.5,3 --camera-to=0,0,-1 --fov=40 --aperture=f/2.8 --focus=4";
         let options = parse(line.split_whitespace().map(str::to_owned).collect());
         let pairs = [written(&options.transport), written(&options.view)].map(|pairs| pairs.expect("written")).concat();
         assert_eq!(pairs.len(), line.split_whitespace().count());

@@ -5,6 +5,7 @@ mod files;
 mod key;
 mod losses;
 mod plan;
+mod pose;
 mod session;
 mod setup;
 mod speed;

@@ -1,12 +1,12 @@
 //! From options to a scene and a camera.
 
 use anyhow::{Context, anyhow};
-use glam::DVec3;
 use mlt_core::memory::Memory;
 use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, SurfaceName, UnusableScene};
 use mlt_scene::Loaded;
 
-use crate::{Failure, args::render::RenderOptions, memory, take_memory, warn_all};
+use super::pose::pose;
+use crate::{Failure, args::render::RenderOptions, memory, report::CameraUsed, take_memory, warn_all};
 
 /// Side of an image whose size is not given, pixels.
 const USUAL_SIDE: f64 = 512.0;
@@ -23,6 +23,8 @@ pub struct Setup {
     pub scene: Scene,
     /// Where it is seen from, with the image's size.
     pub camera: Camera,
+    /// Its name, and where it comes from.
+    pub camera_used: CameraUsed,
     /// Warnings of the loader: the parts of the file that it left out.
     pub warnings: Vec<String>,
     /// The memory that the scene and the film leave for the rounds.
@@ -42,8 +44,8 @@ impl Setup {
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;
         edit(&mut loaded.description);
         let (digest, mut warnings) = (loaded.digest.clone(), std::mem::take(&mut loaded.warnings));
-        let (scene, camera) = seen(options, loaded, &memory, &mut warnings)?;
-        Ok(Self { name: options.scene.display().to_string(), digest, scene, camera, warnings, memory })
+        let (scene, camera, camera_used) = seen(options, loaded, &memory, &mut warnings)?;
+        Ok(Self { name: options.scene.display().to_string(), digest, scene, camera, camera_used, warnings, memory })
     }
 }
 
@@ -53,9 +55,10 @@ fn seen(
     loaded: Loaded,
     memory: &Memory,
     warnings: &mut Vec<String>,
-) -> Result<(Scene, Camera), Failure> {
+) -> Result<(Scene, Camera, CameraUsed), Failure> {
     let framed = options.view.camera_from.is_none() && loaded.description.cameras.is_empty();
-    let pose = pose(options, &loaded.description)?;
+    let framing = || mlt_scene::bounds(&loaded.description).map(mlt_scene::camera_framing);
+    let (pose, used) = pose(options, &loaded.description, framing)?;
     let size = size(options, &pose);
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     take_memory(memory, pixels * BYTES_PER_PIXEL, &format!("an image of {}x{}", size[0], size[1]))?;
@@ -71,7 +74,7 @@ fn seen(
         let words = "no camera in the file can be used, so the scene is framed whole";
         warnings.push(format!("{words}; --camera-from and --camera-to choose a view"));
     }
-    Ok((scene, camera))
+    Ok((scene, camera, used))
 }
 
 /// The error for a scene that cannot be rendered, with a word on the lights that the file does have.
@@ -99,30 +102,6 @@ fn overlaps(pairs: &[[SurfaceName; 2]]) -> Vec<String> {
     let more = pairs.len().saturating_sub(NAMED);
     let rest = (more > 0).then(|| format!("{more} more pairs of meshes overlap in one plane, a light among each"));
     pairs.iter().take(NAMED).map(sentence).chain(rest).collect()
-}
-
-fn pose(options: &RenderOptions, scene: &SceneDescription) -> Result<CameraPose, Failure> {
-    let fov = options.view.fov.map(|degrees| degrees.to_radians() as f32);
-    if let (Some(from), Some(to)) = (options.view.camera_from, options.view.camera_to) {
-        let [from, to] = [from, to].map(DVec3::from_array);
-        return Ok(mlt_scene::camera_look_at(from, to, fov.unwrap_or(40f32.to_radians())));
-    }
-    let pose = match &options.view.camera {
-        Some(name) => scene.cameras.iter().find(|camera| camera.name == *name).cloned().ok_or_else(|| {
-            let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
-            let there = mlt_scene::instead_of(name, &names);
-            Failure::Usage(anyhow!("{}: there is no camera \"{name}\"; {there}", options.scene.display()))
-        })?,
-        None => match scene.cameras.first() {
-            Some(camera) => camera.clone(),
-            None => {
-                let bounds = mlt_scene::bounds(scene)
-                    .with_context(|| format!("{}: the scene has no triangle", options.scene.display()))?;
-                mlt_scene::camera_framing(bounds)
-            }
-        },
-    };
-    Ok(CameraPose { vertical_fov: fov.unwrap_or(pose.vertical_fov), ..pose })
 }
 
 /// The size asked for, or one of the camera's aspect ratio.

@@ -23,6 +23,7 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
         scene: setup.name.clone(),
         method: options.method(),
         transport: options.transport.clone(),
+        camera: setup.camera_used.clone(),
         width,
         height,
         threads: rayon::current_num_threads(),

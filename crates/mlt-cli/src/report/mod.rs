@@ -1,5 +1,6 @@
 //! Report of a render.
 
+mod camera;
 mod decision;
 mod trust;
 
@@ -14,6 +15,7 @@ use crate::{
     progress::short,
 };
 
+pub use camera::CameraUsed;
 pub use decision::{Decision, Part};
 pub use trust::Trust;
 
@@ -29,6 +31,8 @@ pub struct Report {
     /// The options as given, or their defaults.
     #[serde(flatten)]
     pub transport: TransportOptions,
+    /// The camera.
+    pub camera: CameraUsed,
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
@@ -164,6 +168,7 @@ impl fmt::Display for Report {
             "{}: {}, strata {}, {}x{}, seed {}",
             self.scene, self.method, self.transport.strata, self.width, self.height, self.transport.seed
         )?;
+        writeln!(f, "  camera          {}", self.camera)?;
         let threads = if self.threads == 1 { "thread" } else { "threads" };
         write!(f, "  time            {:.2} s, {} {threads}", self.seconds, self.threads)?;
         self.cpu_seconds.map_or(Ok(()), |cpu| write!(f, ", {cpu:.2} s of processor time"))?;
@@ -270,6 +275,7 @@ mod tests {
                 max_length: None,
                 seed: 7,
             },
+            camera: CameraUsed { name: "eye".into(), origin: "by --camera", lens: "pinhole".into() },
             width: 64,
             height: 48,
             threads: 2,
@@ -370,6 +376,7 @@ mod tests {
         let text = report().to_string();
         for part in [
             "cornell: mlt, strata 4x5, 64x48, seed 7",
+            "camera          \"eye\", by --camera; pinhole\n",
             "pilot           100000 mutations, 400000 rays",
             "mutations       3.00 million (1.50 million per second)",
             "acceptance      25.0 %, bidirectional 25.0 %\n",

@@ -24,7 +24,7 @@
 //! use mlt_core::transport::bsdf::{Bsdf, Lambert};
 //! use mlt_core::transport::geometry::Mesh;
 //! use mlt_core::transport::render::{Method, Renderer, Settings};
-//! use mlt_core::transport::scene::{CameraPose, Material, Scene, SceneDescription, View};
+//! use mlt_core::transport::scene::{CameraPose, Lens, Material, Scene, SceneDescription, View};
 //! use mlt_core::transport::{Rgb, image};
 //! use std::ops::ControlFlow;
 //!
@@ -51,7 +51,7 @@
 //!     position: DVec3::new(0.0, 1.0, 0.0),
 //!     forward: Vec3::NEG_Y,
 //!     up: Vec3::NEG_Z,
-//!     vertical_fov: 1.0,
+//!     lens: Lens::Pinhole { vertical_fov: 1.0 },
 //!     aspect_ratio: None,
 //! }, [8, 8]);
 //! let renderer = Renderer::new(View { scene: &scene, camera: &camera }, Settings::new(Method::Path, 16.0));

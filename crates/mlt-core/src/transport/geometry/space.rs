@@ -35,6 +35,11 @@ impl Space {
         Self { origin, scale, radius }
     }
 
+    /// A world length in these coordinates.
+    pub(crate) fn length(&self, world: f64) -> f32 {
+        (world * self.scale) as f32
+    }
+
     /// A world position in these coordinates.
     pub(crate) fn point(&self, world: DVec3) -> Vec3 {
         ((world - self.origin) * self.scale).as_vec3()

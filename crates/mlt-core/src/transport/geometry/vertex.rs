@@ -16,6 +16,8 @@ pub enum Place {
     Surface,
     /// No point but a direction, as a unit vector from the scene: of light that comes from infinitely far away.
     Distant,
+    /// A point of the plane that parallel rays start from, along the normal: of an orthographic camera, which is infinitely far behind it.
+    Parallel,
 }
 
 /// Bound on the error of a position and of the intersection test near it, relative to the largest coordinate of the triangle
@@ -80,6 +82,15 @@ impl Vertex {
         }
     }
 
+    /// Where an edge to another vertex begins: of a parallel vertex, a point of its plane.
+    pub(crate) fn opposite(&self, other: &Self) -> Self {
+        if !self.is_parallel() {
+            return *self;
+        }
+        let normal = self.geometric_normal;
+        Self::camera(other.position - normal * normal.dot(other.position - self.position), normal)
+    }
+
     /// Whether this is the camera.
     #[inline]
     pub fn is_camera(&self) -> bool {
@@ -92,11 +103,23 @@ impl Vertex {
         self.place == Place::Distant
     }
 
-    /// Squared length of an edge from here to `other`, as densities per solid angle are divided by it; 1 from a distant vertex,
-    /// whose own measure is solid angle.
+    /// Whether rays leave it in parallel.
+    #[inline]
+    pub fn is_parallel(&self) -> bool {
+        self.place == Place::Parallel
+    }
+
+    /// Whether this and `other` are directions, of which that of `other` alone can be the edge between them: no connection makes it.
+    #[inline]
+    pub(crate) fn is_met_by_one_ray(&self, other: &Self) -> bool {
+        self.is_distant() & other.is_parallel()
+    }
+
+    /// Squared length of an edge from here to `other`, as densities per solid angle are divided by it; 1 where either is infinitely far
+    /// away.
     #[inline(always)]
     pub(crate) fn distance_squared(&self, other: &Self) -> f32 {
-        if self.is_distant() { 1.0 } else { self.position.distance_squared(other.position) }
+        if self.is_distant() | other.is_parallel() { 1.0 } else { self.position.distance_squared(other.position) }
     }
 
     /// Start of a ray that leaves into `direction`: moved off the surface by the bound on the position's error, so that

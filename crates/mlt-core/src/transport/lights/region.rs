@@ -77,9 +77,13 @@ impl LightRegion {
     }
 
     /// λ = d(x_0 | x_1) Φ/M: how much likelier [`light_sampler`](Self::light_sampler) draws x_0 for x_1 than [`sample`](Self::sample)
-    /// does; 1 where there is but one piece, 0 where x_0, at `point`, is not in the region.
+    /// does; 1 where there is but one piece, 0 where x_0, at `point`, is not in the region, and where no
+    /// connection makes the edge.
     #[inline]
     pub(crate) fn preference(&self, lights: &Lights, [x_0, x_1]: [&Vertex; 2], point: &LightPoint) -> f64 {
+        if x_0.is_met_by_one_ray(x_1) {
+            return 0.0;
+        }
         if !self.light_sampler.has_choice() {
             return 1.0;
         }

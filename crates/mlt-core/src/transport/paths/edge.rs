@@ -1,17 +1,17 @@
 //! The straight line between two vertices of a path, the first of which is the one towards the light.
 //!
 //! A distant light's vertex is a direction, and its measure is solid angle. Light from there is dE = L |cosθ| dω at the other end,
-//! so the edge has neither 1/d² nor a cosine of its own.
+//! so the edge has neither 1/d² nor a cosine of its own. The same holds at the other end for an orthographic camera.
 
-use crate::transport::geometry::Vertex;
 use crate::transport::geometry::math::abs_dot;
+use crate::transport::geometry::{Place, Vertex};
 use glam::Vec3A;
 
 /// The edge between two vertices.
 pub(crate) struct Edge {
     /// Unit direction from the first to the second.
     pub(crate) direction: Vec3A,
-    /// τ over the squared length; τ from a distant vertex.
+    /// τ over the squared length; τ where an end is infinitely far away.
     pub(crate) inverse_square: f32,
     /// |cosθ| at both ends, to the geometric normals.
     pub(crate) cosines: [f32; 2],
@@ -21,8 +21,8 @@ impl Edge {
     /// A connection; `None` if the two coincide.
     #[inline(always)]
     pub(crate) fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
-        if x.is_distant() {
-            return Some(Self::from_afar(-x.position, y));
+        if x.is_distant() | y.is_parallel() {
+            return Some(Self::endless(if y.is_parallel() { -y.geometric_normal } else { -x.position }, [x, y]));
         }
         // Root and reciprocal do not wait for each other.
         let step = y.position - x.position;
@@ -39,17 +39,21 @@ impl Edge {
     /// surfaces it is a factor of f and of every density.
     #[inline(always)]
     pub(crate) fn along(direction: Vec3A, x: &Vertex, y: &Vertex) -> Self {
-        if x.is_distant() {
-            return Self::from_afar(direction, y);
+        if x.is_distant() | y.is_parallel() {
+            return Self::endless(direction, [x, y]);
         }
         let square = x.position.distance_squared(y.position).max(f32::MIN_POSITIVE);
         Self::new(direction, 1.0 / square, [x, y])
     }
 
-    /// An edge from a distant vertex.
+    /// An edge of which an end is infinitely far away.
     #[cold]
-    fn from_afar(direction: Vec3A, y: &Vertex) -> Self {
-        Self { direction, inverse_square: 1.0, cosines: [1.0, abs_dot(y.geometric_normal, direction)] }
+    fn endless(direction: Vec3A, ends: [&Vertex; 2]) -> Self {
+        let cos = |end: &Vertex| match end.place {
+            Place::Surface => abs_dot(end.geometric_normal, direction),
+            Place::Distant | Place::Parallel => 1.0,
+        };
+        Self { direction, inverse_square: 1.0, cosines: ends.map(cos) }
     }
 
     #[inline(always)]

@@ -121,7 +121,14 @@ impl LightPath {
         let edge = Edge::between(&self.vertices[s - 1].vertex, &self.vertices[s].vertex)?;
         set_edge(&mut self.vertices[s - 1], edge);
         if s == self.edges() {
-            self.cross(view, view.camera.project(&self.vertices[s].vertex, -self.vertices[s - 1].to_eye)?);
+            self.cross(
+                view,
+                view.camera.project(
+                    &self.vertices[s].vertex,
+                    &self.vertices[s - 1].vertex,
+                    -self.vertices[s - 1].to_eye,
+                )?,
+            );
         }
         self.update(view, scattering)?;
         let passed = view.scene.transmittance(&self.vertices[s - 1].vertex, &self.vertices[s].vertex);

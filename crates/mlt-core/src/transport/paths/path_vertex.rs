@@ -158,6 +158,6 @@ pub(crate) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: V
 #[inline(always)]
 fn sensitivity(view: &View, x: &PathVertex, to_light: Vec3A) -> Option<Evaluation> {
     let (lens, camera) = (&x.vertex, view.camera);
-    let (value, pdf_to_light) = (Rgb::splat(camera.w_e(lens, to_light)), camera.pdf(lens, to_light));
+    let (value, pdf_to_light) = (Rgb::splat(camera.w_e(to_light)), camera.pdf(to_light));
     (lens.geometric_normal.dot(to_light) > 0.0).then_some(Evaluation { value, pdf_to_eye: 0.0, pdf_to_light })
 }

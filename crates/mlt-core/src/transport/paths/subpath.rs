@@ -75,7 +75,7 @@ pub(crate) fn follow_from_light(
     Some(())
 }
 
-/// Follows the ray through a film point from the camera x_i to x_{i−1}, and sets the edge between them.
+/// Follows the ray through a film point from x_i, on the lens, to x_{i−1}, and sets the edge between them.
 #[inline(always)]
 pub(crate) fn start_at_eye(
     vertices: &mut [PathVertex],
@@ -84,7 +84,7 @@ pub(crate) fn start_at_eye(
     view: &View,
     rng: &mut impl Rng,
 ) -> Option<()> {
-    let ray = view.camera.sample(film);
+    let ray = view.camera.sample(film, &vertices[i].vertex);
     let direction = ray.direction();
     let seen = view.scene.follow_camera_ray(ray.origin, direction, rng)?;
     add_towards_light(vertices, i, direction, seen);

@@ -23,7 +23,7 @@ use std::cell::Cell;
 use ties::{Surfaces, Ties};
 use way::Way;
 
-pub use camera::{Camera, CameraPose, CameraRay};
+pub use camera::{Camera, CameraPose, CameraRay, Lens};
 pub use check::UnusableScene;
 pub use description::{SceneDescription, SurfaceName};
 pub(crate) use light::Piece;
@@ -127,7 +127,7 @@ impl Scene {
     pub fn camera(&self, pose: &CameraPose, size: [u32; 2]) -> Camera {
         let near = self.lights.lights.iter().filter(|light| light.radius_around().is_none());
         let lights = near.map(|light| (light.centre(), light.measure));
-        Camera::new(pose, self.space.point(pose.position), size).among(lights)
+        Camera::new(pose, &self.space, size).among(lights)
     }
 
     /// The lights.

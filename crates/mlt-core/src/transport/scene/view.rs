@@ -8,6 +8,6 @@ use super::camera::Camera;
 pub struct View<'a> {
     /// Surfaces and lights.
     pub scene: &'a Scene,
-    /// Pinhole and image.
+    /// Lens and image.
     pub camera: &'a Camera,
 }

@@ -20,9 +20,18 @@ impl Way {
         if a.is_distant() | b.is_distant() {
             return Self::to_infinity(a, b);
         }
+        if a.is_parallel() | b.is_parallel() {
+            return Self::to_plane(a, b);
+        }
         let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
         let towards_b = b.position - a.position;
         Self { from: a.origin(towards_b), to: b.origin(-towards_b), endless: false }
+    }
+
+    /// To the plane that parallel rays start from.
+    #[cold]
+    fn to_plane(a: &Vertex, b: &Vertex) -> Self {
+        Self::between(&a.opposite(b), &b.opposite(a))
     }
 
     #[cold]

@@ -169,7 +169,10 @@ pub(crate) fn check_recomputed(name: &str, path: &LightPath, world: &World) {
     again.update(&world.view(), 0..=last).unwrap();
     assert_eq!(path.contribution, again.contribution, "{name}");
     // The film point is the one that was drawn; its ray leads back there but for rounding.
-    let crossed = world.camera.project(&again.vertices[last].vertex, -again.vertices[last - 1].to_eye).unwrap();
+    let crossed = world
+        .camera
+        .project(&again.vertices[last].vertex, &again.vertices[last - 1].vertex, -again.vertices[last - 1].to_eye)
+        .unwrap();
     assert!(path.film.distance(crossed) < 1e-5, "{name}: {} and {crossed}", path.film);
     assert_eq!(path.pixel, world.camera.pixel(path.film), "{name}");
     for (i, (a, b)) in path.vertices().iter().zip(again.vertices()).enumerate() {

@@ -75,7 +75,9 @@ fn rays_stop_as_often_as_surfaces_are_opaque() {
     let rays = 100_000;
     for _ in 0..rays {
         let image = (glam::Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng)) - 0.5) * 0.1 + 0.5;
-        let (end, passed) = scene.follow(&camera, world.camera.sample(image).direction(), &mut rng).expect("a wall");
+        let (end, passed) = scene
+            .follow(&camera, world.camera.sample(image, &world.camera.vertex()).direction(), &mut rng)
+            .expect("a wall");
         assert_eq!(passed, scene.transmittance(&camera, &end));
         stops.entry(end.material).or_insert((0, passed)).0 += 1;
     }

@@ -20,8 +20,10 @@ fn seen_share(world: &World, pairs: u32) -> f64 {
     let mut seen = 0;
     for _ in 0..pairs {
         let image = Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng));
-        let surface =
-            world.scene.trace(&world.camera.vertex(), world.camera.sample(image).direction()).expect("the floor");
+        let surface = world
+            .scene
+            .trace(&world.camera.vertex(), world.camera.sample(image, &world.camera.vertex()).direction())
+            .expect("the floor");
         let point = region.sample(uniform(&mut rng), uniform(&mut rng));
         let (_, light) = world.scene.light_point(&point);
         for (a, b) in [(&surface, &light), (&light, &surface)] {
@@ -55,7 +57,10 @@ fn a_camera_on_a_surface_sees_past_it() {
         let camera = world.camera.vertex();
         for index in 0..64 {
             let image = (Vec2::new((index % 8) as f32, (index / 8) as f32) + 0.5) / 8.0;
-            let hit = world.scene.trace(&camera, world.camera.sample(image).direction()).expect("the floor");
+            let hit = world
+                .scene
+                .trace(&camera, world.camera.sample(image, &world.camera.vertex()).direction())
+                .expect("the floor");
             assert!(hit.primitive < 2, "the camera sees the lamp that it lies on");
             assert!(world.scene.visible(&camera, &hit) && world.scene.visible(&hit, &camera));
         }
@@ -84,7 +89,10 @@ fn a_wall_stands_on_a_ground_of_any_size() {
         let mut met = 0;
         for _ in 0..500 {
             let image = Vec2::new(uniform_f32(&mut rng), uniform_f32(&mut rng));
-            let Some(near) = world.scene.trace(&world.camera.vertex(), world.camera.sample(image).direction()) else {
+            let Some(near) = world
+                .scene
+                .trace(&world.camera.vertex(), world.camera.sample(image, &world.camera.vertex()).direction())
+            else {
                 continue;
             };
             let aside = glam::Vec3A::new(-1.0, 0.01, 0.0).normalize();

@@ -3,7 +3,7 @@
 use crate::transport::bsdf::{Bsdf, Lambert, MetallicRoughness};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
-use crate::transport::scene::{Camera, CameraPose, Environment, Material, Scene, SceneDescription, View};
+use crate::transport::scene::{Camera, CameraPose, Environment, Lens, Material, Scene, SceneDescription, View};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
@@ -51,6 +51,11 @@ impl Builder {
 
     /// Seen from `from` towards `to`.
     pub fn seen(self, from: DVec3, to: DVec3, fov: f32, size: [u32; 2]) -> World {
+        self.seen_through(Lens::Pinhole { vertical_fov: fov.to_radians() }, [from, to], size)
+    }
+
+    /// Seen from the first point towards the second.
+    pub fn seen_through(self, lens: Lens, [from, to]: [DVec3; 2], size: [u32; 2]) -> World {
         let forward = (to - from).as_vec3().normalize();
         let side = forward.cross(if forward.y.abs() < 0.9 { Vec3::Y } else { Vec3::NEG_Z }).normalize();
         let pose = CameraPose {
@@ -58,7 +63,7 @@ impl Builder {
             position: from,
             forward,
             up: side.cross(forward),
-            vertical_fov: fov.to_radians(),
+            lens,
             aspect_ratio: None,
         };
         let scene = Scene::new(self.0).unwrap();
@@ -228,6 +233,27 @@ pub(crate) fn veils() -> World {
         .mesh(ball(v(-0.5, 0.5, -0.5), 0.2, false), lamp))
 }
 
+/// The box seen through a lens that blurs its light and most of its balls.
+pub(crate) fn blurred() -> World {
+    let lens = Lens::Thin { vertical_fov: 38f32.to_radians(), radius: 0.3, focus: 2.6 };
+    balls().seen_through(lens, [DVec3::new(0.2, 0.1, 3.4), DVec3::ZERO], [16, 16])
+}
+
+/// The box by parallel rays, whose rectangle cuts it open.
+pub(crate) fn parallel() -> World {
+    let lens = Lens::Orthographic { height: 1.8 };
+    balls().seen_through(lens, [DVec3::new(0.2, 0.3, 0.9), DVec3::new(-0.1, -0.1, -1.0)], [16, 16])
+}
+
+/// The box with a ball of glass, and lamps to choose from.
+fn balls() -> Builder {
+    walls().surface(ball(DVec3::new(0.1, -0.35, 0.1), 0.5, true), glass(0.0)).light(
+        ball(DVec3::new(-0.5, 0.3, -0.4), 0.05, false),
+        Rgb::new(9.0, 9.0, 3.0),
+        false,
+    )
+}
+
 /// The view into the box.
 fn see(builder: Builder) -> World {
     builder.seen(DVec3::new(0.2, 0.1, 3.4), DVec3::ZERO, 38.0, [16, 16])
@@ -277,5 +303,7 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("sky", outdoors(glass(0.0))),
         ("sky on gloss", outdoors(glossy())),
         ("lamps and sky", lamps_and_sky()),
+        ("thin lens", blurred()),
+        ("orthographic camera", parallel()),
     ]
 }

@@ -114,7 +114,7 @@ impl Bidirectional<'_> {
         }
         let edge = Edge::between(&x.vertex, &y.vertex)?;
         let pixel = match t {
-            1 => Some(self.view.camera.pixel(self.view.camera.project(&y.vertex, -edge.direction)?)),
+            1 => Some(self.view.camera.pixel(self.view.camera.project(&y.vertex, &x.vertex, -edge.direction)?)),
             _ => None,
         };
         let at_x = match s {

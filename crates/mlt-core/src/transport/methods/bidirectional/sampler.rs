@@ -1,8 +1,9 @@
 //! Bidirectional path tracing: all connections of two subpaths.
 //!
-//! Source: [Veach97], chapter 10. The pinhole cannot be hit, so every path has at least one vertex from the camera.
+//! Source: [Veach97], chapter 10. No light meets the lens by chance, so every path has at least one vertex from the camera.
 
 use crate::engine::{uniform, uniform_f32};
+use crate::transport::geometry::Vertex;
 use crate::transport::lights::LightRegion;
 use crate::transport::paths::mis::Ends;
 use crate::transport::paths::subpath::{
@@ -146,7 +147,8 @@ impl Bidirectional<'_> {
     /// makes.
     pub fn sample_met(&self, film: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         SCRATCH.with_borrow_mut(|scratch| {
-            self.trace_eye(film, scratch, rng);
+            let lens = self.view.camera.sample_lens(rng);
+            self.trace_eye(film, &lens, scratch, rng);
             for t in 2..=scratch.eye.len() {
                 if let Some(weight) = self.connect(scratch, [0, t], area) {
                     visit(&scratch.path, weight / scratch.eye.carried(t).survival);
@@ -164,7 +166,8 @@ impl Bidirectional<'_> {
     ) {
         SCRATCH.with_borrow_mut(|scratch| {
             let film = Vec2::new(uniform_f32(eye), uniform_f32(eye));
-            self.trace_eye(film, scratch, eye);
+            let lens = self.view.camera.sample_lens(eye);
+            self.trace_eye(film, &lens, scratch, eye);
             self.trace_light(scratch, light);
             self.connect_all(scratch, 1.0, visit);
         });
@@ -186,9 +189,10 @@ impl Bidirectional<'_> {
     /// Traces two subpaths, the camera's through a given film point, and hands them over.
     pub(crate) fn with_subpaths<R: Rng>(&self, film: Vec2, rng: &mut R, use_them: impl FnOnce(&mut Scratch, &mut R)) {
         SCRATCH.with_borrow_mut(|scratch| {
-            // The light subpath's first numbers come first, so that they are the same coordinates in every sample.
+            // The first numbers of both subpaths come first, so that they are the same coordinates in every sample.
+            let lens = self.view.camera.sample_lens(rng);
             self.trace_light(scratch, rng);
-            self.trace_eye(film, scratch, rng);
+            self.trace_eye(film, &lens, scratch, rng);
             use_them(scratch, rng);
         });
     }
@@ -221,10 +225,10 @@ impl Bidirectional<'_> {
         }
     }
 
-    fn trace_eye(&self, film: Vec2, scratch: &mut Scratch, rng: &mut impl Rng) {
+    fn trace_eye(&self, film: Vec2, lens: &Vertex, scratch: &mut Scratch, rng: &mut impl Rng) {
         scratch.film = film;
         let eye = &mut scratch.eye;
-        let camera = PathVertex::new(self.view.camera.vertex());
+        let camera = PathVertex::new(*lens);
         eye.reset(self.max_edges + 1, camera, 1.0);
         let last = eye.vertices.len() - 1;
         eye.vertices[last] = camera;

@@ -48,7 +48,7 @@ struct Walk {
     /// Density per solid angle of the step to `vertex`, over the squared length of the step unless that is distant; `None` if it could not have been
     /// drawn on a light: by a delta BSDF, or from the camera unless lights are drawn for it.
     pdf: Option<f32>,
-    /// Where that step began.
+    /// Where that step began; for the camera, the middle of its lens.
     before: Vertex,
     edges: usize,
     /// Whether it came here by specular surfaces alone.
@@ -74,13 +74,21 @@ impl PathTracer<'_> {
     #[inline(always)]
     pub fn sample_radiance(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         let View { scene, camera } = self.view;
-        let ray = camera.sample(film);
+        let lens = camera.sample_lens(rng);
+        let ray = camera.sample(film, &lens);
         let Some((vertex, passed)) = scene.follow_camera_ray(ray.origin, ray.step, rng) else { return };
-        let (lens, direction) = (ray.vertex, ray.direction());
-        let pdf =
-            camera.has_tiny_lights().then(|| camera.pdf(&lens, direction) * passed / vertex.distance_squared(&lens));
-        let walk =
-            Walk { vertex, to_eye: -direction, throughput: Rgb::ONE, pdf, before: lens, edges: 1, straight: true };
+        let direction = ray.direction();
+        let drawn = camera.has_tiny_lights() && !vertex.is_met_by_one_ray(&lens);
+        let pdf = drawn.then(|| camera.pdf(direction) * passed / vertex.distance_squared(&lens));
+        let walk = Walk {
+            vertex,
+            to_eye: -direction,
+            throughput: Rgb::ONE,
+            pdf,
+            before: camera.vertex(),
+            edges: 1,
+            straight: true,
+        };
         self.gather(&walk, rng, visit);
         if self.branches == 1 {
             self.go_on(walk, rng, visit);
@@ -175,12 +183,12 @@ impl PathTracer<'_> {
         visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd),
     ) -> Option<()> {
         let View { scene, camera } = self.view;
-        let eye = camera.vertex();
-        let (point, density) = self.light_sampler.sample(&eye, uniform(rng), f64::from(uniform_f32(rng)));
+        let (middle, eye) = (camera.vertex(), camera.sample_lens(rng));
+        let (point, density) = self.light_sampler.sample(&middle, uniform(rng), f64::from(uniform_f32(rng)));
         let (light, source) = scene.light_point(&point);
         let edge = Edge::between(&source, &eye)?;
         let direction = -edge.direction;
-        let pixel = camera.pixel(camera.project(&eye, direction)?);
+        let pixel = camera.pixel(camera.project(&eye, &source, direction)?);
         let emitted = scene.emitted(&source, edge.direction);
         if emitted == Rgb::ZERO {
             return None;
@@ -192,8 +200,8 @@ impl PathTracer<'_> {
         }
         let cos = eye.geometric_normal.dot(direction);
         let there = edge.cosines[0] * passed * edge.inverse_square;
-        let weight = power_heuristic(density as f32, camera.pdf(&eye, direction) * there);
-        let value = emitted.as_dvec3() * (f64::from(camera.w_e(&eye, direction) * cos * there * weight) / density);
+        let weight = power_heuristic(density as f32, camera.pdf(direction) * there);
+        let value = emitted.as_dvec3() * (f64::from(camera.w_e(direction) * cos * there * weight) / density);
         visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point) });
         Some(())
     }

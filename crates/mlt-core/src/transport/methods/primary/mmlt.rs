@@ -122,7 +122,7 @@ impl<I> Multiplexed<'_, I> {
         let Part { view, strata, index, .. } = self.part;
         let region = &strata.regions()[index as usize];
         let (s, last) = (technique.light_vertices, technique.edges);
-        let camera = PathVertex::new(view.camera.vertex());
+        let camera = PathVertex::new(view.camera.sample_lens(eye));
         path.vertices.resize(last + 1, camera);
         path.vertices[last] = camera;
         let first = if s > 0 { light_numbers(light) } else { [0.0; 2] };

@@ -1,6 +1,6 @@
 //! The bidirectional mutation: delete a subpath, trace a new one.
 //!
-//! With s vertices kept on the light's side and t on the camera's (the camera itself is always kept), d are deleted and a
+//! With s vertices kept on the light's side and t on the camera's (the camera itself is always kept, but for its point of the lens where t = 1), d are deleted and a
 //! new ones are traced, a′ of them from the light's side and a − a′ from the camera's, and the two ends are connected:
 //!
 //! T(x→y | s, t) = P(d | n_x) / (n_x − d) · P(a | d) · Σ_{a′} P(a′ | a) Π_{s ≤ i < s+a′} forward_i(y) Π_{s+a′ ≤ i < s+a} reverse_i(y)
@@ -83,6 +83,9 @@ impl BidirectionalMutation<'_> {
         rng: &mut impl Rng,
     ) -> Option<()> {
         let joint = edit.s + split;
+        if edit.t == 1 && self.view.camera.has_aperture() {
+            path.vertices[edit.s + edit.added].vertex = self.view.camera.sample_lens(rng);
+        }
         let light_end = (edit.s == 0 && split > 0).then(|| light_numbers(rng));
         if let (Some(numbers), 2..) = (light_end, joint) {
             (path.vertices[0], path.light) = start_at_light(&self.view, region, numbers);
@@ -274,7 +277,8 @@ mod tests {
     use crate::transport::tests::balance::{Imbalance, imbalance, imbalance_in_tiles, imbalance_of_mutation_only};
     use crate::transport::tests::paths::{check_recomputed, long_path};
     use crate::transport::tests::worlds::{
-        World, glass, glossy, glowing, lambert, lamps, lamps_and_sky, mirror, outdoors, room, two_lights, worlds,
+        World, blurred, glass, glossy, glowing, lambert, lamps, lamps_and_sky, mirror, outdoors, parallel, room,
+        two_lights, worlds,
     };
 
     /// The steps of [`BidirectionalMutation::propose`], with a ratio of the caller's.
@@ -355,6 +359,8 @@ mod tests {
             ("glowing ball", glowing()),
             ("sky", outdoors(glass(0.0))),
             ("lamps and sky", lamps_and_sky()),
+            ("thin lens", blurred()),
+            ("orthographic camera", parallel()),
         ] {
             let mutation = BidirectionalMutation { view: world.view() };
             for (cut, batches) in [(Stratification::None, 40_000), (Stratification::Grid(2, 1), 10_000)] {

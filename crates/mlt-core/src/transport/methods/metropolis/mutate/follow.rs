@@ -36,6 +36,9 @@ const TURN: LogUniform = LogUniform::new(LEAST_TURN, LARGEST_TURN);
 const LEAST_PIXELS: f32 = 1.0;
 /// Area of the largest move on the image, as a share of the image.
 const LARGEST_SHARE: f32 = 0.02;
+/// Shortest and longest move on a lens, in its radius.
+const LEAST_ON_LENS: f32 = 1e-2;
+const LARGEST_ON_LENS: f32 = 1.0;
 
 /// `unit` turned by an angle of density ∝ 1/θ, uniformly about it. The density per solid angle depends on θ alone, so it is
 /// that of the way back.
@@ -127,6 +130,13 @@ impl<'a> FromEye<'a> {
         Self { view, moves: ImageMove::new(view.camera) }
     }
 
+    /// A vertex on the lens moved some way; `None` beyond its rim. The density of the way back is the same.
+    fn moved_on_lens(&self, lens: &Vertex, rng: &mut impl Rng) -> Option<Vertex> {
+        const DISTANCE: LogUniform = LogUniform::new(LEAST_ON_LENS, LARGEST_ON_LENS);
+        let (distance, towards) = DISTANCE.draw(rng);
+        self.view.camera.move_on_lens(lens, distance * towards)
+    }
+
     /// Replaces x_{k−1} … x_m by perturbed vertices; on the image the path stays in the stratum's part. Then connects x_m to x_{m−1},
     /// unless it is a light itself, and returns T(y→x)/T(x→y).
     pub(super) fn perturb(
@@ -142,6 +152,9 @@ impl<'a> FromEye<'a> {
         let last = current.edges();
         proposal.keep_light_end(current, m);
         proposal.cross(view, film);
+        if view.camera.has_aperture() {
+            proposal.vertices[last].vertex = self.moved_on_lens(&current.vertices[last].vertex, rng)?;
+        }
         start_at_eye(&mut proposal.vertices, last, film, view, rng)?;
         for i in (m + 1..last).rev() {
             let direction = next_direction(view, [current, proposal], i, Towards::Light, rng)?;

@@ -68,7 +68,9 @@ mod tests {
     use crate::transport::colour::Rgb;
     use crate::transport::lights::Stratification;
     use crate::transport::tests::balance::{imbalance, imbalance_in_tiles};
-    use crate::transport::tests::worlds::{World, glass, glossy, lambert, mirror, pond, room, two_lights};
+    use crate::transport::tests::worlds::{
+        World, blurred, glass, glossy, lambert, mirror, parallel, pond, room, two_lights,
+    };
 
     /// Moves of paths of the form that the perturbation applies to.
     fn suited<'a>(world: &'a World, x: &LightPath) -> Option<LensPerturbation<'a>> {
@@ -85,6 +87,8 @@ mod tests {
             ("glass", room(glass(0.0), false)),
             ("water", pond()),
             ("two lights", two_lights(glass(0.0), mirror())),
+            ("thin lens", blurred()),
+            ("orthographic camera", parallel()),
         ] {
             let found = imbalance(&world, Stratification::Grid(2, 1), 15_000, |x, y, within, rng| {
                 suited(&world, x)?.propose(x, y, within, rng)

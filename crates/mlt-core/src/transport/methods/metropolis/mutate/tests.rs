@@ -13,7 +13,7 @@ use crate::transport::methods::bidirectional::Bidirectional;
 use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::mis::Ends;
 use crate::transport::paths::{LightPath, mis};
-use crate::transport::scene::{CameraPose, Material, Scene, SceneDescription, View};
+use crate::transport::scene::{CameraPose, Lens, Material, Scene, SceneDescription, View};
 use crate::transport::tests::paths::set_edges_anew;
 use crate::transport::tests::worlds::{World, cloudy, lambert, mirror, room};
 use glam::{DVec3, Vec3A};
@@ -77,7 +77,7 @@ fn pose() -> CameraPose {
         position,
         forward: forward.into(),
         up: up.into(),
-        vertical_fov: 0.9,
+        lens: Lens::Pinhole { vertical_fov: 0.9 },
         aspect_ratio: None,
     }
 }

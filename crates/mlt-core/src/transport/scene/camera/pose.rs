@@ -1,0 +1,54 @@
+//! The description of a camera.
+
+use glam::{DVec3, Vec3};
+
+/// Where the camera stands and what it takes in; the image's aspect ratio comes with its size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraPose {
+    /// Name in the scene file.
+    pub name: String,
+    /// World position: of the pinhole, of the lens's centre, or of the middle of an orthographic image.
+    pub position: DVec3,
+    /// Unit vector into the scene.
+    pub forward: Vec3,
+    /// Unit vector up in the image, at a right angle to `forward`.
+    pub up: Vec3,
+    /// How it sees.
+    pub lens: Lens,
+    /// Width over height that the scene's author meant, if given.
+    pub aspect_ratio: Option<f32>,
+}
+
+/// How a camera sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// Through a point: everything is sharp.
+    Pinhole {
+        /// Full vertical opening angle, radians.
+        vertical_fov: f32,
+    },
+    /// Through a disc: what is in focus is sharp.
+    Thin {
+        /// Full vertical opening angle, radians.
+        vertical_fov: f32,
+        /// Radius of the disc, world units.
+        radius: f64,
+        /// Distance of the plane in focus, along the viewing direction, world units.
+        focus: f64,
+    },
+    /// By parallel rays.
+    Orthographic {
+        /// Height of the image, world units.
+        height: f64,
+    },
+}
+
+impl Lens {
+    /// Full vertical opening angle, radians; `None` for parallel rays.
+    pub fn vertical_fov(&self) -> Option<f32> {
+        match *self {
+            Self::Pinhole { vertical_fov } | Self::Thin { vertical_fov, .. } => Some(vertical_fov),
+            Self::Orthographic { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! The thin lens: a disc whose rays through one film point meet in a point of the plane in focus.
+//!
+//! For each point of the disc the rays are those of a pinhole there, but for a shift of the film by the point's offset from the
+//! centre over the distance in focus; so W_e and densities are the pinhole's, per normalised area of the disc.
+//!
+//! Source: [Cook84].
+
+use super::CameraRay;
+use super::pinhole::Pinhole;
+use crate::transport::geometry::Vertex;
+use crate::transport::geometry::math::square_to_disk;
+use glam::{Vec2, Vec3A};
+use std::f32::consts::PI;
+
+/// Sees through a disc.
+#[derive(Clone, Debug)]
+pub(super) struct ThinLens {
+    /// At the centre.
+    pub centre: Pinhole,
+    /// Unit vectors along the image's axes.
+    axes: [Vec3A; 2],
+    /// Radius of the disc.
+    radius: f32,
+    /// Distance of the plane in focus.
+    focus: f32,
+}
+
+impl ThinLens {
+    /// A disc about a pinhole.
+    pub fn new(centre: Pinhole, radius: f32, focus: f32) -> Self {
+        let axes = [centre.across, centre.along].map(Vec3A::normalize);
+        Self { centre, axes, radius, focus }
+    }
+
+    /// The vertex at a uniform point of the disc.
+    #[inline]
+    pub fn vertex(&self, u: Vec2) -> Vertex {
+        self.at(square_to_disk(u).0)
+    }
+
+    /// The vertex at a point of the disc, whose radius is the unit.
+    #[inline]
+    fn at(&self, p: Vec2) -> Vertex {
+        let Vertex { position, geometric_normal, .. } = self.centre.vertex;
+        let offset = self.radius * (p.x * self.axes[0] + p.y * self.axes[1]);
+        Vertex::camera(position + offset, geometric_normal)
+    }
+
+    /// The vertex moved on the disc, whose radius is the unit; `None` beyond its rim.
+    pub fn moved(&self, lens: &Vertex, by: Vec2) -> Option<Vertex> {
+        let offset = self.offset(lens);
+        let p = Vec2::from(self.axes.map(|axis| offset.dot(axis) / self.radius)) + by;
+        (p.length_squared() < 1.0).then(|| self.at(p))
+    }
+
+    #[inline]
+    fn offset(&self, lens: &Vertex) -> Vec3A {
+        lens.position - self.centre.vertex.position
+    }
+
+    /// The ray from a point of the disc through a film point.
+    #[inline]
+    pub fn sample(&self, film: Vec2, lens: &Vertex) -> CameraRay {
+        let step = self.centre.sample(film).step - self.offset(lens) / self.focus;
+        CameraRay { origin: lens.origin(step), step }
+    }
+
+    /// The film point that a direction from a point of the disc passes through, and the cosine of its angle with the viewing
+    /// direction.
+    #[inline]
+    pub fn project(&self, lens: &Vertex, direction: Vec3A) -> (Vec2, f32) {
+        let (film, cos) = self.centre.project(direction);
+        let shift = self.offset(lens) / self.focus;
+        (film + Vec2::new(shift.dot(self.centre.across), shift.dot(self.centre.along)), cos)
+    }
+
+    /// Area that the rays through one film point take up at a depth.
+    pub fn blur(&self, depth: f32) -> f32 {
+        let radius = self.radius * (1.0 - depth / self.focus);
+        PI * radius * radius
+    }
+}
