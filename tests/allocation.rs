@@ -66,8 +66,7 @@ fn scene() -> SceneDescription {
         material,
         ..Mesh::default()
     };
-    let material =
-        |bsdf, emission| Material { name: String::new(), bsdf, emission, emits_both_sides: false, opacity: 1.0 };
+    let material = |bsdf, emission| Material { bsdf, emission, ..Material::default() };
     SceneDescription {
         meshes: vec![
             quad(0, [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]]),
@@ -87,6 +86,7 @@ fn scene() -> SceneDescription {
             vertical_fov: 0.7,
             aspect_ratio: None,
         }],
+        ..SceneDescription::default()
     }
 }
 

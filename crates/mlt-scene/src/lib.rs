@@ -17,6 +17,7 @@ pub mod gallery;
 mod geometry;
 mod gltf_file;
 mod guard;
+mod images;
 mod names;
 mod obj_file;
 mod options;

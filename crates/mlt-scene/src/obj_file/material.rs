@@ -14,7 +14,7 @@ const F0: f32 = 0.04;
 /// Substitute for a material that is not defined.
 pub(super) fn grey() -> Material {
     let bsdf = diffuse(GREY).bsdf();
-    Material { name: "grey".to_owned(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 }
+    Material { name: "grey".to_owned(), bsdf, ..Material::default() }
 }
 
 /// A material, which emits `Ke` as radiance from its front.
@@ -35,7 +35,7 @@ pub(super) fn material(source: &tobj::Material, warnings: &mut Vec<String>) -> M
         }
         _ => {}
     }
-    Material { name, bsdf, emission, emits_both_sides: false, opacity }
+    Material { name, bsdf, emission, opacity, ..Material::default() }
 }
 
 /// Whether the illumination model is one of those with "glass on" or refraction.

@@ -7,7 +7,7 @@ mod text;
 
 use crate::{
     LoadOptions, Loaded, SceneError,
-    geometry::{GeometrySize, RawMesh},
+    geometry::{Attributes, GeometrySize, RawMesh},
     source::Source,
     text::shown,
 };
@@ -60,7 +60,7 @@ fn describe(
     }
     let mut size = GeometrySize::default();
     let emits = |m: &tobj::Mesh| m.material_id.is_some_and(|i| scene.materials[i].emission != Rgb::ZERO);
-    models.iter().for_each(|m| size.add(triangle_count(&m.mesh), emits(&m.mesh)));
+    models.iter().for_each(|m| size.add(triangle_count(&m.mesh), emits(&m.mesh), false));
     size.take(source)?;
     for model in models {
         let material = model.mesh.material_id.unwrap_or(grey) as u32;
@@ -88,6 +88,7 @@ fn mesh(model: tobj::Model, warnings: &mut Vec<String>) -> Option<Mesh> {
         position: |i| DVec3::from_array(positions[i as usize]),
         normal: smooth
             .then_some(|i: u32| -> Vec3 { DVec3::from_array(normals[i as usize]).normalize_or_zero().as_vec3() }),
+        attributes: Attributes::default(),
     };
     raw.finish(warnings)
 }

@@ -1,5 +1,6 @@
 //! Materials: how a surface scatters and emits light.
 
+use super::textures::Textured;
 use crate::transport::bsdf::Bsdf;
 use crate::transport::colour::Rgb;
 
@@ -8,19 +9,35 @@ use crate::transport::colour::Rgb;
 pub struct Material {
     /// Name in the scene file, for messages.
     pub name: String,
-    /// Scattering.
+    /// Scattering; of what is textured, an example of it.
     pub bsdf: Bsdf,
-    /// Emitted radiance, uniform over the surface and over directions; zero: no light.
+    /// Emitted radiance, uniform over directions, and over the surface unless it is textured; zero: no light.
     pub emission: Rgb,
     /// Emits from the back as well as from the front.
     pub emits_both_sides: bool,
     /// Share of the surface that is there, α ∈ [0, 1]; through the rest light goes straight on. 0: there is no surface.
     pub opacity: f32,
+    /// Parameters that vary over the surface; `None`: none does.
+    pub textured: Option<Box<Textured>>,
+}
+
+impl Default for Material {
+    /// Black and opaque.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            bsdf: Bsdf::Black,
+            emission: Rgb::ZERO,
+            emits_both_sides: false,
+            opacity: 1.0,
+            textured: None,
+        }
+    }
 }
 
 impl Material {
-    /// A surface that neither reflects nor emits.
-    pub(super) fn black() -> Self {
-        Self { name: String::new(), bsdf: Bsdf::Black, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 }
+    /// Whether some of the light that comes to it goes straight on.
+    pub(crate) fn is_veil(&self) -> bool {
+        self.opacity < 1.0 || self.textured.as_ref().is_some_and(|textured| textured.has_opacity())
     }
 }

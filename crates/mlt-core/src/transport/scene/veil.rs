@@ -18,7 +18,13 @@ impl Scene {
     /// α at a vertex.
     #[inline]
     fn opacity(&self, vertex: &Vertex) -> f32 {
-        self.material(vertex).opacity
+        let material = self.material(vertex);
+        match &material.textured {
+            Some(textured) if textured.has_opacity() => {
+                textured.opacity(material.opacity, &self.textures, &self.coordinates(vertex))
+            }
+            _ => material.opacity,
+        }
     }
 
     /// The surface at which light along a direction, of any length, stops, or the environment beyond all surfaces; and τ of those that

@@ -26,15 +26,12 @@ pub(crate) struct Builder(SceneDescription);
 impl Builder {
     /// A surface that only scatters.
     pub fn surface(self, mesh: Mesh, bsdf: Bsdf) -> Self {
-        self.mesh(
-            mesh,
-            Material { name: String::new(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 },
-        )
+        self.mesh(mesh, Material { bsdf, ..Material::default() })
     }
 
     /// A surface that only emits.
     pub fn light(self, mesh: Mesh, emission: Rgb, emits_both_sides: bool) -> Self {
-        self.mesh(mesh, Material { name: String::new(), bsdf: Bsdf::Black, emission, emits_both_sides, opacity: 1.0 })
+        self.mesh(mesh, Material { emission, emits_both_sides, ..Material::default() })
     }
 
     pub fn mesh(mut self, mesh: Mesh, material: Material) -> Self {
@@ -165,7 +162,7 @@ pub(crate) fn pond() -> World {
 
 /// A material that is there for the share `opacity`.
 pub(crate) fn veil(bsdf: Bsdf, opacity: f32) -> Material {
-    Material { name: String::new(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity }
+    Material { bsdf, opacity, ..Material::default() }
 }
 
 /// A curtain across the box, parallel to its back.

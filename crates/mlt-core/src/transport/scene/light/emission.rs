@@ -38,7 +38,19 @@ impl Scene {
         }
         let material = self.material(vertex);
         let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
-        if lit && !self.is_hidden(vertex, direction) { material.emission } else { Rgb::ZERO }
+        if lit && !self.is_hidden(vertex, direction) { self.emission(vertex) } else { Rgb::ZERO }
+    }
+
+    /// Radiance of the lit side.
+    #[inline(always)]
+    fn emission(&self, vertex: &Vertex) -> Rgb {
+        let material = self.material(vertex);
+        match &material.textured {
+            Some(textured) if self.needs.textured => {
+                material.emission * textured.emission(&self.textures, &self.coordinates(vertex))
+            }
+            _ => material.emission,
+        }
     }
 
     /// M at a vertex on a light.
