@@ -30,9 +30,9 @@ fn quad(name: &str, material: u32, centre: DVec3, a: DVec3, b: DVec3) -> Mesh {
     Mesh {
         name: name.into(),
         positions: vec![centre - a - b, centre + a - b, centre + a + b, centre - a + b],
-        normals: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material,
+        ..Mesh::default()
     }
 }
 

@@ -73,6 +73,22 @@ impl Images {
         Some(number)
     }
 
+    /// Name of the image that is made of another, whose kind says how; `None`: that was left out.
+    pub fn derived(&mut self, name: &str, kind: &str, make: impl FnOnce(&Pixels) -> Option<Pixels>) -> Option<String> {
+        let pixels = self.decoded.get(name)?;
+        let derived = format!("{kind} of {name}");
+        if !self.decoded.contains_key(&derived) {
+            let made = make(pixels)?;
+            self.decoded.insert(derived.clone(), Arc::new(made));
+        }
+        Some(derived)
+    }
+
+    /// An image; `None`: it was left out.
+    pub fn pixels(&self, name: &str) -> Option<&Pixels> {
+        self.decoded.get(name).map(Arc::as_ref)
+    }
+
     /// The textures, by number.
     pub fn into_textures(self) -> Vec<Texture> {
         self.textures

@@ -8,7 +8,7 @@ use crate::{SceneError, images::Images, range::Range, text::shown};
 use gltf::{Document, material::AlphaMode};
 use mlt_core::transport::Rgb;
 use mlt_core::transport::bsdf::MetallicRoughness;
-use mlt_core::transport::scene::{Alpha, ChannelMap, Encoding, Map, Maps, Material, NormalMap, Texture, Textured};
+use mlt_core::transport::scene::{Alpha, ChannelMap, Encoding, Map, Maps, Material, NormalMap, Texture};
 use std::collections::BTreeMap;
 
 /// How the meshes that a scene shows use its materials: the material's index, one behind the last for glTF's default one, and
@@ -36,7 +36,7 @@ pub(super) fn materials(
     if let Some(&coloured) = used.get(&materials.len()) {
         let maps = Maps { vertex_colours: coloured, ..Maps::default() };
         let plain = Material { name: "default".to_owned(), ..Material::default() };
-        materials.push(with_maps(plain, MetallicRoughness::default(), maps, Alpha::Opaque));
+        materials.push(plain.scattering(MetallicRoughness::default(), maps, Alpha::Opaque));
     }
     Ok((materials, images.into_textures()))
 }
@@ -61,15 +61,6 @@ fn has_occlusion(document: &Document, used: &Used) -> bool {
     document.materials().filter(shown).any(|m| m.occlusion_texture().is_some())
 }
 
-/// The material with parameters that vary as `maps` and `alpha` say.
-fn with_maps(material: Material, factors: MetallicRoughness, maps: Maps, alpha: Alpha) -> Material {
-    if maps.is_empty() {
-        return Material { bsdf: factors.bsdf(), ..material };
-    }
-    let textured = Textured::new(factors, maps, alpha);
-    Material { bsdf: textured.representative(), textured: Some(Box::new(textured)), ..material }
-}
-
 /// Converts one material.
 struct Converter<'a> {
     files: &'a Files<'a>,
@@ -92,7 +83,7 @@ impl Converter<'_> {
         let is_dark = slots.emission.is_some() && maps.emission.is_none();
         let emission = if is_dark { Rgb::ZERO } else { emission };
         let emits_both_sides = source.double_sided();
-        with_maps(Material { name, emission, emits_both_sides, opacity, ..Material::default() }, factors, maps, alpha)
+        Material { name, emission, emits_both_sides, opacity, ..Material::default() }.scattering(factors, maps, alpha)
     }
 
     fn map(&mut self, slot: Option<Slot>, encoding: Encoding) -> Option<Map> {

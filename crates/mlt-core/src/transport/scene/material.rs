@@ -1,7 +1,7 @@
 //! Materials: how a surface scatters and emits light.
 
-use super::textures::Textured;
-use crate::transport::bsdf::Bsdf;
+use super::textures::{Alpha, Maps, Textured};
+use crate::transport::bsdf::{Bsdf, MetallicRoughness};
 use crate::transport::colour::Rgb;
 
 /// A surface's scattering and emission.
@@ -36,6 +36,16 @@ impl Default for Material {
 }
 
 impl Material {
+    /// The same with parameters of these factors, which vary as textures and vertices say.
+    #[must_use]
+    pub fn scattering(self, factors: MetallicRoughness, maps: Maps, alpha: Alpha) -> Self {
+        if maps.is_empty() {
+            return Self { bsdf: factors.bsdf(), ..self };
+        }
+        let textured = Textured::new(factors, maps, alpha);
+        Self { bsdf: textured.representative(), textured: Some(Box::new(textured)), ..self }
+    }
+
     /// Whether some of the light that comes to it goes straight on.
     pub(crate) fn is_veil(&self) -> bool {
         self.opacity < 1.0 || self.textured.as_ref().is_some_and(|textured| textured.has_opacity())

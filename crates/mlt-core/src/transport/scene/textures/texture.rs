@@ -25,6 +25,16 @@ impl Pixels {
         self.size
     }
 
+    /// Bytes a pixel: 1 to 4.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// RGBA of all pixels, rows from the top.
+    pub fn iter(&self) -> impl Iterator<Item = [u8; 4]> {
+        (0..self.size.y).flat_map(move |y| (0..self.size.x).map(move |x| self.at(UVec2::new(x, y))))
+    }
+
     /// RGBA of a pixel, which lies inside.
     #[inline]
     pub fn at(&self, pixel: UVec2) -> [u8; 4] {
