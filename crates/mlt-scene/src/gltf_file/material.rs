@@ -75,13 +75,18 @@ impl Converter<'_> {
         let mut range = Range { material: &name, warnings };
         let strength = source.emissive_strength().unwrap_or(1.0);
         let emission = range.colour("the emission", strength * Rgb::from_array(source.emissive_factor()), 1e12);
-        let factors = parameters(source, &mut range);
+        let mut factors = parameters(source, &mut range);
         let slots = Slots::of(source);
         let mut maps = self.maps(&slots);
         let (opacity, alpha) = opacity(source, &mut maps);
         // The factor of an image that is lost says nothing: it is white as a rule.
         let is_dark = slots.emission.is_some() && maps.emission.is_none();
-        let emission = if is_dark { Rgb::ZERO } else { emission };
+        let mut emission = if is_dark { Rgb::ZERO } else { emission };
+        if unsupported::is_unlit(source) {
+            emission = factors.base_color;
+            factors = MetallicRoughness { base_color: Rgb::ZERO, metallic: 0.0, specular: 0.0, ..factors };
+            maps = Maps { emission: maps.base_color, opacity: maps.opacity, ..unlit(self.coloured) };
+        }
         let emits_both_sides = source.double_sided();
         Material { name, emission, emits_both_sides, opacity, ..Material::default() }.scattering(factors, maps, alpha)
     }
@@ -133,6 +138,11 @@ fn opacity(source: &gltf::Material, maps: &mut Maps) -> (f32, Alpha) {
         _ => factor.clamp(0.0, 1.0),
     };
     (opacity, Alpha::Opaque)
+}
+
+/// Maps of a surface that shows its colour whatever light there is: it emits it, and reflects nothing.
+fn unlit(coloured: bool) -> Maps {
+    Maps { vertex_colours: coloured, emissive_vertices: coloured, ..Maps::default() }
 }
 
 /// A surface with KHR_materials_volume bounds a solid, whatever thickness its author gave for rasterisers;

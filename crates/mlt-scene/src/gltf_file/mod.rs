@@ -87,7 +87,8 @@ fn take_memory(source: &Source, nodes: &[Placed]) -> Result<(), SceneError> {
     let mut size = GeometrySize::default();
     for primitive in nodes.iter().filter_map(|(node, _)| node.mesh()).flat_map(|m| m.primitives()) {
         let textured = [Semantic::TexCoords(0), Semantic::Colors(0)].iter().any(|s| primitive.get(s).is_some());
-        let emits = primitive.material().emissive_factor() != [0.0; 3];
+        let material = primitive.material();
+        let emits = material.emissive_factor() != [0.0; 3] || unsupported::is_unlit(&material);
         size.add(primitive::triangle_count(&primitive), emits, textured);
     }
     size.take(source)

@@ -14,6 +14,7 @@ const KNOWN: &[&str] = &[
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
@@ -27,6 +28,9 @@ const KNOWN: &[&str] = &[
     "EXT_texture_webp",
     "MSFT_texture_dds",
 ];
+
+/// A material without any shading.
+const UNLIT: &str = "KHR_materials_unlit";
 
 /// Copies of a node's mesh.
 const INSTANCES: &str = "EXT_mesh_gpu_instancing";
@@ -94,8 +98,14 @@ pub(super) fn in_material(material: &Material) -> Option<String> {
         ),
     ];
     let features = features.iter().filter(|f| f.0).map(|f| f.1.to_owned());
-    let extensions = material.extensions().into_iter().flat_map(|map| map.keys()).map(|name| shown(name));
+    let names = material.extensions().into_iter().flat_map(|map| map.keys());
+    let extensions = names.filter(|name| *name != UNLIT).map(|name| shown(name));
     sentence(&place_of(material), features.chain(extensions).collect())
+}
+
+/// Whether a material shows its base colour whatever light there is.
+pub(super) fn is_unlit(material: &Material) -> bool {
+    material.extension_value(UNLIT).is_some()
 }
 
 /// Of a material whose volume has no thickness.

@@ -36,18 +36,27 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     }
     let bytes = source.read()?;
     source.take(bytes.len() as u64 * BYTES_PER_BYTE, "the text")?;
-    let reduced = Reduced::new(&text::decode(bytes));
+    let text = text::decode(bytes);
+    let reduced = Reduced::new(&text);
     let mut warnings = reduced.warnings();
     let library = library::read(source, &reduced, &mut warnings)?;
+    let models = parse(source, &reduced, &library).or_else(|error| {
+        let models = parse(source, &reduced.without_coordinates(&text), &library).map_err(|_| error)?;
+        warnings.push("faces name texture coordinates that are not there; all are left out".to_owned());
+        Ok::<_, SceneError>(models)
+    })?;
+    let description = describe(source, models, &library, &mut warnings)?;
+    let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    Ok(Loaded { name, description, warnings, lights_left_out: 0 })
+}
+
+fn parse(source: &Source, reduced: &Reduced, library: &Library) -> Result<Vec<tobj::Model>, SceneError> {
     let options = tobj::LoadOptions { single_index: true, ignore_points: true, ignore_lines: true, triangulate: false };
     let parse = |numbered: &mut Numbered| {
         let read = |_: &Path| Ok((library.materials.clone(), library.places.clone().into_iter().collect()));
         tobj::load_obj_buf(&mut MTLLIB.chain(numbered), &options, read).map_err(|e| e.to_string())
     };
-    let (models, _) = text::parse(&source.path, "OBJ", &reduced.text, parse)?;
-    let description = describe(source, models, &library, &mut warnings)?;
-    let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { name, description, warnings, lights_left_out: 0 })
+    Ok(text::parse(&source.path, "OBJ", &reduced.text, parse)?.0)
 }
 
 fn describe(

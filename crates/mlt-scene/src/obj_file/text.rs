@@ -94,17 +94,31 @@ pub(super) struct Reduced {
     has_curves: bool,
 }
 
+/// What vertices keep besides positions and normals.
+#[derive(Clone, Copy)]
+struct Kept {
+    colours: bool,
+    coordinates: bool,
+}
+
 impl Reduced {
     /// Reduces `text`. Colours are kept where every vertex has one.
     pub fn new(text: &str) -> Self {
-        let reduced = Self::with_colours(text, true);
-        if reduced.has_colours && reduced.has_plain { Self::with_colours(text, false) } else { reduced }
+        let all = Kept { colours: true, coordinates: true };
+        let reduced = Self::keeping(text, all);
+        let mixed = reduced.has_colours && reduced.has_plain;
+        if mixed { Self::keeping(text, Kept { colours: false, ..all }) } else { reduced }
     }
 
-    fn with_colours(text: &str, colours: bool) -> Self {
+    /// The same without texture coordinates, where faces name some that are not there.
+    pub fn without_coordinates(&self, text: &str) -> Self {
+        Self::keeping(text, Kept { colours: !self.has_plain, coordinates: false })
+    }
+
+    fn keeping(text: &str, kept: Kept) -> Self {
         let add = |mut reduced: Self, line: &str| {
-            let kept = reduced.line(line.trim(), colours);
-            reduced.text.push_str(&kept);
+            let line = reduced.line(line.trim(), kept);
+            reduced.text.push_str(&line);
             reduced.text.push('\n');
             reduced
         };
@@ -126,12 +140,12 @@ impl Reduced {
         self
     }
 
-    fn line<'a>(&mut self, line: &'a str, colours: bool) -> Cow<'a, str> {
+    fn line<'a>(&mut self, line: &'a str, kept: Kept) -> Cow<'a, str> {
         let (key, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match key {
-            "v" => return self.position(without_remark(line), colours),
+            "v" => return self.position(without_remark(line), kept.colours),
             "vn" => return numbers(without_remark(line), 3),
-            "vt" => return texture_coordinates(without_remark(line)),
+            "vt" if kept.coordinates => return texture_coordinates(without_remark(line)),
             "f" => return without_remark(line).into(),
             "fo" => return format!("f {}", without_remark(rest)).into(),
             "o" | "g" => return line.into(),
@@ -146,7 +160,7 @@ impl Reduced {
             "curv" | "curv2" | "surf" => self.has_curves = true,
             _ if key.contains(|c: char| c.is_ascii_uppercase()) => {
                 let lower = format!("{} {rest}", key.to_ascii_lowercase());
-                return self.line(lower.trim_end(), colours).into_owned().into();
+                return self.line(lower.trim_end(), kept).into_owned().into();
             }
             _ => {}
         }

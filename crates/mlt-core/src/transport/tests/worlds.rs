@@ -239,7 +239,7 @@ pub(crate) fn textured_quad(corners: [DVec3; 4]) -> Mesh {
     Mesh { uv: [uv, Vec::new()], ..quad(corners) }
 }
 
-/// The box with a curtain of varying colour and opacity, a ball of varying metal and one that is bumpy, and a lamp that shines
+/// The box with a curtain of varying colour with holes, a ball of varying metal and one that is bumpy, and a lamp that shines
 /// unevenly. Half of the lamp's front is dark.
 pub(crate) fn textured() -> World {
     let v = DVec3::new;
@@ -259,7 +259,7 @@ pub(crate) fn textured() -> World {
     let mut builder = walls()
         .mesh(
             textured_quad([v(-1., -1., 0.5), v(1., -1., 0.5), v(1., 1., 0.5), v(-1., 1., 0.5)]),
-            varying(plain.clone(), cloth, Alpha::Blend),
+            varying(plain.clone(), cloth, Alpha::Mask(0.5)),
         )
         .mesh(round(v(-0.4, -0.5, 0.2), 0.4), varying(red, metal, Alpha::Opaque))
         .mesh(round(v(0.45, -0.5, 0.0), 0.4), varying(plain, bumps, Alpha::Opaque))

@@ -70,6 +70,8 @@ pub struct Maps {
     pub normal: Option<NormalMap>,
     /// Whether the vertices' colours are a factor on base colour and opacity.
     pub vertex_colours: bool,
+    /// Whether they are one on the emission.
+    pub emissive_vertices: bool,
 }
 
 /// A surface's parameters, each a factor times a texture.
@@ -155,7 +157,8 @@ impl Textured {
 
     /// Factor on the emission at a point.
     pub(crate) fn emission(&self, textures: &[Texture], place: &Coordinates) -> Rgb {
-        colour(self.maps.emission, textures, place)
+        let vertex = if self.maps.emissive_vertices { place.rgb() } else { Rgb::ONE };
+        vertex * colour(self.maps.emission, textures, place)
     }
 
     /// Whether the opacity varies.
