@@ -14,7 +14,7 @@ pub const SMOOTH_ALPHA: f32 = 1e-6;
 pub const MIXED_ALPHA: f32 = 1e-4;
 
 /// An interface with |ior - 1| up to this does not bend light.
-const INDEX_MATCHED: f32 = 1e-3;
+pub(super) const INDEX_MATCHED: f32 = 1e-3;
 
 /// Constant factors of a glTF 2.0 material with KHR_materials_ior, _specular, _transmission and _volume.
 ///

@@ -97,6 +97,20 @@ impl Mix {
         None
     }
 
+    /// With solids in place of thin walls; `None`: there is no thin wall that bends light.
+    pub fn solid(&self) -> Option<Self> {
+        let mut solid = *self;
+        let mut found = false;
+        for (_, lobe) in &mut solid.lobes {
+            if let Some(Lobe::RoughThin(wall)) = lobe
+                && let Some(interface) = wall.solid()
+            {
+                (*lobe, found) = (Some(Lobe::RoughDielectric(interface)), true);
+            }
+        }
+        found.then_some(solid)
+    }
+
     /// Whether light passes through it.
     pub fn is_transmissive(&self) -> bool {
         self.lobes.iter().filter_map(|(_, lobe)| lobe.as_ref()).any(Lobe::is_transmissive)

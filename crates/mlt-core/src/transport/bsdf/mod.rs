@@ -116,6 +116,19 @@ impl Bsdf {
         }
     }
 
+    /// The interface of a solid in place of a thin wall; `None`: there is no thin wall.
+    pub fn solid(&self) -> Option<Self> {
+        match self {
+            &Self::Thin(Thin { ior, tint }) => Some(Self::Dielectric(Dielectric { ior, tint })),
+            Self::RoughThin(wall) => Some(match wall.solid() {
+                Some(solid) => Self::RoughDielectric(solid),
+                None => Self::Dielectric(Dielectric { ior: wall.ior, tint: wall.tint }),
+            }),
+            Self::Mix(mix) => mix.solid().map(Self::Mix),
+            _ => None,
+        }
+    }
+
     /// f_s(to_light → to_eye), sr⁻¹; a delta BSDF: the coefficient of δ.
     #[inline]
     pub fn eval(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Rgb {

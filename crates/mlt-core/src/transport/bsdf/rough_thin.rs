@@ -3,9 +3,10 @@
 use super::albedo::cosine_average;
 use super::facets::Facets;
 use super::fresnel::reflect;
+use super::metallic_roughness::INDEX_MATCHED;
 use super::microfacet::{GRAZING, Ggx};
 use super::thin::slab_reflectance;
-use super::{Evaluation, choose};
+use super::{Evaluation, RoughDielectric, choose};
 use crate::transport::colour::Rgb;
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
@@ -44,6 +45,12 @@ impl RoughThin {
     /// The same of microfacets and a [`mean_reflectance`](Self::mean_reflectance) that are known already.
     pub fn of(ior: f32, tint: Rgb, facets: Facets, reflected: f32) -> Self {
         Self { ior, tint, facets, reflected, scale: FRAC_1_PI / facets.mean.white }
+    }
+
+    /// The interface of a solid of the same index and tint; `None`: it does not bend light.
+    pub fn solid(&self) -> Option<RoughDielectric> {
+        let bends = (self.ior - 1.0).abs() > INDEX_MATCHED;
+        bends.then(|| RoughDielectric::new(self.ior, self.tint, self.facets.ggx))
     }
 
     /// R̄'.

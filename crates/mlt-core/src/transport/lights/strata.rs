@@ -229,7 +229,7 @@ mod tests {
         let corner = |m: &Mesh, t: &[u32; 3]| t.map(|i| m.positions[i as usize].as_vec3());
         let primitives: Vec<[Vec3; 3]> =
             meshes.iter().flat_map(|m| m.triangles.iter().map(|t| corner(m, t)).collect::<Vec<_>>()).collect();
-        Lights::new(&meshes, &materials, &primitives)
+        Lights::new(&meshes, &materials, &[], &primitives)
     }
 
     /// Every point lies in the region that its index names and in no other, and powers add up.

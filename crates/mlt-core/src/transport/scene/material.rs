@@ -1,6 +1,6 @@
 //! Materials: how a surface scatters and emits light.
 
-use super::textures::{Alpha, Maps, Textured};
+use super::textures::{Alpha, Coordinates, Maps, Texture, Textured};
 use crate::transport::bsdf::{Bsdf, MetallicRoughness};
 use crate::transport::colour::Rgb;
 
@@ -36,6 +36,34 @@ impl Default for Material {
 }
 
 impl Material {
+    /// α at a point.
+    pub(super) fn opacity_at(&self, textures: &[Texture], place: &Coordinates) -> f32 {
+        match &self.textured {
+            Some(textured) if textured.has_opacity() => textured.opacity(self.opacity, textures, place),
+            _ => self.opacity,
+        }
+    }
+
+    /// Emitted radiance at a point.
+    pub(super) fn emission_at(&self, textures: &[Texture], place: &Coordinates) -> Rgb {
+        self.textured.as_ref().map_or(self.emission, |textured| self.emission * textured.emission(textures, place))
+    }
+
+    /// The same as the surface of a solid instead of a thin wall; `None`: it is no such wall.
+    pub fn solid(&self) -> Option<Self> {
+        let textured = match &self.textured {
+            Some(textured) => Some(Box::new(textured.solid()?)),
+            None => None,
+        };
+        let bsdf = textured.as_ref().map_or_else(|| self.bsdf.solid(), |textured| Some(textured.representative()))?;
+        Some(Self { bsdf, textured, ..self.clone() })
+    }
+
+    /// Whether its emission, or the share of it that is there, varies.
+    pub(super) fn shines_unevenly(&self) -> bool {
+        self.textured.as_ref().is_some_and(|textured| textured.has_opacity() || textured.has_emission())
+    }
+
     /// The same with parameters of these factors, which vary as textures and vertices say.
     #[must_use]
     pub fn scattering(self, factors: MetallicRoughness, maps: Maps, alpha: Alpha) -> Self {

@@ -98,7 +98,7 @@ impl Scene {
         if triangles.is_empty() {
             return Err(UnusableScene::NoTriangle);
         }
-        let mut lights = Lights::new(meshes, materials, &triangles);
+        let mut lights = Lights::new(meshes, materials, &description.textures, &triangles);
         if lights.lights.is_empty() && !needs.environment {
             return Err(UnusableScene::NoLight);
         }

@@ -17,12 +17,10 @@ use rand_pcg::rand_core::Rng;
 impl Scene {
     /// α at a vertex.
     #[inline]
-    fn opacity(&self, vertex: &Vertex) -> f32 {
+    pub(super) fn opacity(&self, vertex: &Vertex) -> f32 {
         let material = self.material(vertex);
         match &material.textured {
-            Some(textured) if textured.has_opacity() => {
-                textured.opacity(material.opacity, &self.textures, &self.coordinates(vertex))
-            }
+            Some(textured) if textured.has_opacity() => material.opacity_at(&self.textures, &self.coordinates(vertex)),
             _ => material.opacity,
         }
     }

@@ -5,6 +5,7 @@ mod camera;
 pub(crate) mod paths;
 mod rooms;
 mod strata;
+mod textures;
 mod veils;
 mod visibility;
 pub(crate) mod worlds;

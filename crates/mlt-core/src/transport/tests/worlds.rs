@@ -37,6 +37,11 @@ impl Builder {
         self.mesh(mesh, Material { emission, emits_both_sides, ..Material::default() })
     }
 
+    pub fn with_textures(mut self, textures: Vec<Texture>) -> Self {
+        self.0.textures = textures;
+        self
+    }
+
     pub fn mesh(mut self, mesh: Mesh, material: Material) -> Self {
         self.0.meshes.push(Mesh { material: self.0.materials.len() as u32, ..mesh });
         self.0.materials.push(material);
@@ -256,7 +261,7 @@ pub(crate) fn textured() -> World {
         let uv = ball.normals.iter().map(|n| Vec2::new(n.x + n.z, n.y)).collect();
         Mesh { uv: [uv, Vec::new()], ..ball }
     };
-    let mut builder = walls()
+    let builder = walls()
         .mesh(
             textured_quad([v(-1., -1., 0.5), v(1., -1., 0.5), v(1., 1., 0.5), v(-1., 1., 0.5)]),
             varying(plain.clone(), cloth, Alpha::Mask(0.5)),
@@ -264,8 +269,7 @@ pub(crate) fn textured() -> World {
         .mesh(round(v(-0.4, -0.5, 0.2), 0.4), varying(red, metal, Alpha::Opaque))
         .mesh(round(v(0.45, -0.5, 0.0), 0.4), varying(plain, bumps, Alpha::Opaque))
         .mesh(textured_quad([v(-0.9, -0.2, -0.8), v(-0.3, -0.2, -0.9), v(-0.3, 0.6, -0.9), v(-0.9, 0.6, -0.8)]), lamp);
-    builder.0.textures = vec![texture(4, Encoding::Srgb), texture(3, Encoding::Linear), normal_map()];
-    see(builder)
+    see(builder.with_textures(vec![texture(4, Encoding::Srgb), texture(3, Encoding::Linear), normal_map()]))
 }
 
 /// Normals that lean by up to half a right angle.

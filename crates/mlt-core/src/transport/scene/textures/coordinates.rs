@@ -44,12 +44,16 @@ impl Attributes {
         Self { meshes: taken.collect(), mesh_of }
     }
 
+    /// On a mesh that is not taken yet, at barycentric weights of a triangle's second and third vertex.
+    pub(crate) fn on(mesh: &Mesh, corners: [u32; 3], weights: [f32; 2]) -> Coordinates {
+        coordinates(&mesh.uv, &mesh.colours, corners, weights)
+    }
+
     /// At the point of a triangle where its second and third vertex have these barycentric weights.
     #[inline]
     pub(crate) fn at(&self, primitive: u32, weights: [f32; 2]) -> Coordinates {
         let (mesh, corners) = self.corners(primitive);
-        let uv = mesh.uv.each_ref().map(|set| interpolated(set, corners, weights).unwrap_or_default());
-        Coordinates { uv, colour: interpolated(&mesh.colours, corners, weights).unwrap_or(Vec4::ONE) }
+        coordinates(&mesh.uv, &mesh.colours, corners, weights)
     }
 
     /// Tangent, along which u grows, and bitangent, along which v falls as it does in an image, at a point of a triangle with
@@ -88,6 +92,12 @@ impl Attributes {
 pub(crate) struct TriangleFrame {
     pub(crate) edges: [Vec3A; 2],
     pub(crate) normal: Vec3A,
+}
+
+#[inline]
+fn coordinates(uv: &[Vec<Vec2>; 2], colours: &[Vec4], corners: [u32; 3], weights: [f32; 2]) -> Coordinates {
+    let uv = uv.each_ref().map(|set| interpolated(set, corners, weights).unwrap_or_default());
+    Coordinates { uv, colour: interpolated(colours, corners, weights).unwrap_or(Vec4::ONE) }
 }
 
 /// `None`: the mesh has no such attribute.

@@ -132,6 +132,12 @@ impl Textured {
         Self { factors, maps, alpha, varying }
     }
 
+    /// The same as the surface of a solid instead of a thin wall; `None`: it is no such wall.
+    pub(crate) fn solid(&self) -> Option<Self> {
+        let wall = self.factors.thin && self.factors.transmission > 0.0;
+        wall.then(|| Self::new(MetallicRoughness { thin: false, ..self.factors.clone() }, self.maps, self.alpha))
+    }
+
     /// The BSDF where no texture changes a factor: it is delta, or lets light pass, where those at all points do.
     pub fn representative(&self) -> Bsdf {
         self.varying.bsdf(&self.factors)
@@ -159,6 +165,11 @@ impl Textured {
     pub(crate) fn emission(&self, textures: &[Texture], place: &Coordinates) -> Rgb {
         let vertex = if self.maps.emissive_vertices { place.rgb() } else { Rgb::ONE };
         vertex * colour(self.maps.emission, textures, place)
+    }
+
+    /// Whether the emission varies.
+    pub(crate) fn has_emission(&self) -> bool {
+        self.maps.emission.is_some() || self.maps.emissive_vertices
     }
 
     /// Whether the opacity varies.
