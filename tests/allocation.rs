@@ -1,16 +1,19 @@
 //! A chain that is warm allocates nothing.
 
-use glam::{DVec3, Vec3};
+use glam::{Affine2, DVec3, Vec2, Vec3};
 use mlt_core::engine::{Chain, Mixture, Purpose, Sink, Stratum, generator};
 use mlt_core::primary::{PrimaryImportance, PrimaryMutation, PrimaryPath, PrimaryStratum, Tracer};
 use mlt_core::transport::Rgb;
-use mlt_core::transport::bsdf::{Bsdf, Lambert, Mirror};
+use mlt_core::transport::bsdf::{Bsdf, MetallicRoughness, Mirror};
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::lights::{LightStrata, Stratification};
 use mlt_core::transport::methods::metropolis::{LightStratum, PathMutation};
 use mlt_core::transport::methods::primary::{AllConnections, Multiplexed, Part, Techniques};
 use mlt_core::transport::paths::{LightPath, Luminance};
-use mlt_core::transport::scene::{CameraPose, Lens, Material, Scene, SceneDescription, View};
+use mlt_core::transport::scene::{
+    Alpha, CameraPose, ChannelMap, Encoding, Filter, Lens, Map, Maps, Material, NormalMap, Pixels, Scene,
+    SceneDescription, Texture, View, Wrap,
+};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -58,16 +61,39 @@ impl<S> Sink<S> for Nowhere {
     fn deposit(&mut self, _: S, _: f64) {}
 }
 
-/// A diffuse floor and a mirror under a light.
+/// An image of 4 × 4 pixels.
+fn texture(encoding: Encoding) -> Texture {
+    let pixels = Pixels::new([4, 4], 3, (0..48).map(|i| i * 89 % 251).collect()).unwrap();
+    Texture::new(pixels.into(), [Wrap::Repeat; 2], Filter::Bilinear, encoding)
+}
+
+/// A coat over a base, glass and metal, of all of which the shares vary.
+fn varying() -> Material {
+    let map = |texture| Map { texture, set: 0, transform: Affine2::IDENTITY };
+    let channel = |channel| Some(ChannelMap { map: map(1), channel });
+    let maps = Maps {
+        base_color: Some(map(0)),
+        metallic: channel(0),
+        roughness: channel(1),
+        transmission: channel(2),
+        opacity: channel(0),
+        normal: Some(NormalMap { map: map(1), scale: 0.2 }),
+        ..Maps::default()
+    };
+    let factors = MetallicRoughness { transmission: 0.5, thin: false, ..MetallicRoughness::default() };
+    Material::default().scattering(factors, maps, Alpha::Blend)
+}
+
+/// A floor of varying colour, gloss and normals, and a mirror under a light.
 fn scene() -> SceneDescription {
     let quad = |material, corners: [[f64; 3]; 4]| Mesh {
         positions: corners.map(DVec3::from_array).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material,
+        uv: [corners.map(|[x, _, z]| Vec2::new(x as f32, z as f32)).to_vec(), Vec::new()],
         ..Mesh::default()
     };
-    let material =
-        |bsdf, emission| Material { name: String::new(), bsdf, emission, emits_both_sides: false, opacity: 1.0 };
+    let material = |bsdf, emission| Material { bsdf, emission, ..Material::default() };
     SceneDescription {
         meshes: vec![
             quad(0, [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]]),
@@ -75,10 +101,11 @@ fn scene() -> SceneDescription {
             quad(2, [[-0.3, 2., -0.3], [0.3, 2., -0.3], [0.3, 2., 0.3], [-0.3, 2., 0.3]]),
         ],
         materials: vec![
-            material(Bsdf::Lambert(Lambert { reflectance: Rgb::splat(0.7) }), Rgb::ZERO),
+            varying(),
             material(Bsdf::Mirror(Mirror { f0: Rgb::splat(0.9) }), Rgb::ZERO),
             material(Bsdf::Black, Rgb::splat(4.0)),
         ],
+        textures: vec![texture(Encoding::Srgb), texture(Encoding::Linear)],
         cameras: vec![CameraPose {
             name: String::new(),
             position: DVec3::new(0.1, 1.0, 4.0),

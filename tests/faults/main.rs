@@ -14,3 +14,4 @@ mod paths;
 mod sampler;
 mod strata;
 mod support;
+mod textures;

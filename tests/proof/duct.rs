@@ -22,7 +22,7 @@ const WHITE: u32 = 1;
 const LAMP: u32 = 2;
 
 fn material(name: &str, bsdf: Bsdf, emission: Vec3) -> Material {
-    Material { name: name.into(), bsdf, emission, emits_both_sides: false, opacity: 1.0 }
+    Material { name: name.into(), bsdf, emission, ..Material::default() }
 }
 
 /// The parallelogram centre ± a ± b, its front towards a × b.
@@ -30,9 +30,9 @@ fn quad(name: &str, material: u32, centre: DVec3, a: DVec3, b: DVec3) -> Mesh {
     Mesh {
         name: name.into(),
         positions: vec![centre - a - b, centre + a - b, centre + a + b, centre - a + b],
-        normals: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material,
+        ..Mesh::default()
     }
 }
 
@@ -65,7 +65,7 @@ fn duct() -> (Scene, Camera) {
             material("white", Bsdf::Lambert(Lambert { reflectance: Vec3::splat(0.8) }), Vec3::ZERO),
             material("lamp", Bsdf::Black, Vec3::ONE),
         ],
-        ..Default::default()
+        ..SceneDescription::default()
     };
     let pose = CameraPose {
         name: "eye".into(),

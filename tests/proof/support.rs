@@ -43,7 +43,7 @@ impl World {
 
 pub fn add(description: &mut SceneDescription, mesh: Mesh, bsdf: Bsdf, emission: Rgb) {
     description.meshes.push(Mesh { material: description.materials.len() as u32, ..mesh });
-    description.materials.push(Material { name: String::new(), bsdf, emission, emits_both_sides: false, opacity: 1.0 });
+    description.materials.push(Material { bsdf, emission, ..Material::default() });
 }
 
 pub fn pose(position: DVec3, target: DVec3, degrees: f32) -> CameraPose {

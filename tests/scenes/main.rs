@@ -6,3 +6,4 @@ mod gallery;
 mod gltf;
 mod obj;
 mod support;
+mod textures;

@@ -85,7 +85,11 @@ fn polygons_become_triangles_and_the_rest_is_named() {
     assert_eq!((mesh.triangles.len(), mesh.positions.len(), mesh.name.as_str()), (2, 4, "square"));
     assert_eq!(
         loaded.warnings,
-        ["points and lines are not supported and left out", "vertex colours are not supported and left out"]
+        [
+            "points and lines are not supported and left out",
+            "some vertices have colours and some have none; all colours are left out",
+            "faces name texture coordinates that are not there; all are left out"
+        ]
     );
     assert!(matches!(&loaded.description.materials[0].bsdf, Bsdf::Lambert(_)));
 
@@ -118,12 +122,12 @@ fn a_missing_library_or_material_is_grey_with_a_warning() {
 
 #[test]
 fn materials_warn_about_what_they_cannot_say() {
-    let loaded = load_with("f 1 2 3", "newmtl m\nKd 2 0 0\nmap_Kd -s 2 2 1 a.png\nmap_Ke b.png\nnorm c.png").unwrap();
+    let loaded = load_with("f 1 2 3", "newmtl m\nKd 2 0 0\nmap_opacity a.png\nPs 1\ndisp c.png").unwrap();
     assert_eq!(
         loaded.warnings,
         [
             "material `m`: Kd is [2, 0, 0]; [1, 0, 0] is taken instead",
-            "material `m`: not supported and left out: map_Kd, map_Ke, norm"
+            "material `m`: not supported and left out: Ps, disp, map_opacity"
         ]
     );
     let grey = load_with("f 1 2 3", "newmtl m\nKd 0.25").unwrap();

@@ -50,7 +50,7 @@ fn square(material: u32, half: f64, y: f64, corners: [[f64; 2]; 4]) -> Mesh {
 /// A diffuse surface that reflects and emits alike in all channels.
 fn material(name: &str, reflectance: f32, emission: f32) -> Material {
     let bsdf = Bsdf::Lambert(Lambert { reflectance: Rgb::splat(reflectance) });
-    Material { name: name.into(), bsdf, emission: Rgb::splat(emission), emits_both_sides: false, opacity: 1.0 }
+    Material { name: name.into(), bsdf, emission: Rgb::splat(emission), ..Material::default() }
 }
 
 #[test]

@@ -1,23 +1,50 @@
 //! From a file's vertices to a mesh that the renderer can rely on.
 
 use crate::{SceneError, source::Source, text::shown};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::scene::Scene;
 use std::collections::HashSet;
+
+/// What vertices carry besides positions and normals, by their numbers in the file.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Attributes<'a> {
+    /// Texture coordinates of two sets.
+    pub uv: [Option<&'a dyn Fn(u32) -> Vec2>; 2],
+    /// Linear RGBA.
+    pub colour: Option<&'a dyn Fn(u32) -> Vec4>,
+    /// World direction in which u grows, of any length, and the sign of the bitangent.
+    pub tangent: Option<&'a dyn Fn(u32) -> Vec4>,
+}
+
+impl Attributes<'_> {
+    /// Of the vertices that a mesh keeps; what is no number becomes 0.
+    fn add_to(&self, mesh: &mut Mesh, kept: &[u32]) {
+        let finite = |v: Vec2| if v.is_finite() { v } else { Vec2::ZERO };
+        let sets = self.uv.map(|set| set.map(|uv| kept.iter().map(|&i| finite(uv(i))).collect()));
+        mesh.uv = sets.map(Option::unwrap_or_default);
+        let four = |of: &dyn Fn(u32) -> Vec4| -> Vec<_> {
+            kept.iter().map(|&i| of(i)).map(|v| if v.is_finite() { v } else { Vec4::ZERO }).collect()
+        };
+        mesh.colours = self.colour.map(four).unwrap_or_default();
+        mesh.tangents = self.tangent.map(four).unwrap_or_default();
+    }
+}
 
 /// How many triangles a scene has, counted before they are made.
 #[derive(Default)]
 pub(crate) struct GeometrySize {
     triangles: usize,
     emitters: usize,
+    textured: usize,
 }
 
 impl GeometrySize {
     /// Counts the triangles of a mesh.
-    pub fn add(&mut self, triangles: usize, emit: bool) {
+    pub fn add(&mut self, triangles: usize, emit: bool, textured: bool) {
         self.triangles = self.triangles.saturating_add(triangles);
         self.emitters = self.emitters.saturating_add(if emit { triangles } else { 0 });
+        self.textured = self.textured.saturating_add(if textured { triangles } else { 0 });
     }
 
     /// Takes the memory for them, or refuses the scene. The renderer's needs are greater than those of the mesh in the
@@ -26,7 +53,11 @@ impl GeometrySize {
         if self.triangles > Scene::MOST_TRIANGLES {
             return Err(source.too_large("the scene", "triangles", Scene::MOST_TRIANGLES));
         }
-        let bytes = [(self.triangles, Scene::BYTES_PER_TRIANGLE), (self.emitters, Scene::BYTES_PER_EMITTER)];
+        let bytes = [
+            (self.triangles, Scene::BYTES_PER_TRIANGLE),
+            (self.emitters, Scene::BYTES_PER_EMITTER),
+            (self.textured, Scene::BYTES_PER_TEXTURED_TRIANGLE),
+        ];
         let bytes = bytes.iter().map(|&(count, each)| count as u64 * each).sum();
         source.take(bytes, format!("the geometry of {} triangles", self.triangles))
     }
@@ -36,7 +67,7 @@ impl GeometrySize {
 const MAX_COORDINATE: f64 = 1e9;
 
 /// Triangles of one material as a file gives them, before anything is checked.
-pub(crate) struct RawMesh<P, N> {
+pub(crate) struct RawMesh<'a, P, N> {
     /// Name in the file.
     pub name: String,
     /// Corners, each a vertex that `position` knows.
@@ -45,9 +76,11 @@ pub(crate) struct RawMesh<P, N> {
     pub position: P,
     /// World normal of a vertex, of any length; `None`: flat.
     pub normal: Option<N>,
+    /// What textures need.
+    pub attributes: Attributes<'a>,
 }
 
-impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<P, N> {
+impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<'_, P, N> {
     /// Keeps the triangles that have an area and the vertices that they use; `None`: nothing is left.
     ///
     /// The material is left at 0 for the caller to set.
@@ -76,6 +109,7 @@ impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<P, N> {
         if let Some(normal) = &self.normal {
             mesh.normals = used.iter().map(|&i| normal(i).normalize_or_zero()).collect();
         }
+        self.attributes.add_to(&mut mesh, &used);
         repair_normals(&mut mesh, warnings);
         (!mesh.triangles.is_empty()).then_some(mesh)
     }

@@ -15,8 +15,10 @@ mod camera;
 mod error;
 pub mod gallery;
 mod geometry;
+mod glass;
 mod gltf_file;
 mod guard;
+mod images;
 mod names;
 mod obj_file;
 mod options;
@@ -33,6 +35,7 @@ use std::path::Path;
 pub use builtin::{BUILTIN, builtin};
 pub use camera::{bounds, camera_framing, camera_look_at};
 pub use error::SceneError;
+pub use glass::Glass;
 pub use names::instead_of;
 pub use options::LoadOptions;
 pub use text::{MOST_OF_A_MESSAGE, printable};
@@ -78,6 +81,7 @@ fn load_within(path: &Path, options: &LoadOptions, memory: &Memory) -> Result<Lo
     };
     let parsed = guard::catch(|| parse(&source, options));
     let mut loaded = parsed.map_err(|reason| SceneError::Parser { path: path.to_owned(), reason })??;
+    glass::settle(&mut loaded.description, options.glass, &mut loaded.warnings);
     winding::follow_normals(&mut loaded.description, &mut loaded.warnings);
     loaded.make_printable();
     Ok(loaded)

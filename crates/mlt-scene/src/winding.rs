@@ -217,8 +217,7 @@ mod tests {
     /// Triangles that face inwards of the balls about the origin and (5, 0, 0), and the warnings, of a mesh of glass.
     fn inwards(mesh: Mesh) -> (usize, Vec<String>) {
         let glass = Bsdf::Dielectric(Dielectric { ior: 1.5, tint: Rgb::ONE });
-        let material =
-            Material { name: String::new(), bsdf: glass, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 };
+        let material = Material { bsdf: glass, ..Material::default() };
         let mut scene =
             SceneDescription { meshes: vec![mesh], materials: vec![material], ..SceneDescription::default() };
         let mut warnings = Vec::new();
@@ -283,11 +282,10 @@ mod tests {
     #[test]
     fn only_what_has_an_outside_is_turned() {
         let material = |emission, emits_both_sides| Material {
-            name: String::new(),
             bsdf: Bsdf::Lambert(Lambert { reflectance: Rgb::ONE }),
             emission,
             emits_both_sides,
-            opacity: 1.0,
+            ..Material::default()
         };
         for (material, turned) in
             [(material(Rgb::ZERO, false), false), (material(Rgb::ONE, true), false), (material(Rgb::ONE, false), true)]

@@ -3,11 +3,34 @@
 //! [`SceneOptions`] stands in every command that loads scenes: a new option is a field here and a line in
 //! [`SceneOptions::load_options`].
 
-use clap::{Args, Command};
-use mlt_scene::LoadOptions;
+use clap::{Args, Command, ValueEnum};
+use mlt_scene::{Glass, LoadOptions};
 use serde::Serialize;
 
 use super::written::written;
+
+/// What transmissive surfaces are taken for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum GlassKind {
+    /// Solids where their meshes are closed, else thin walls
+    #[default]
+    Auto,
+    /// Thin walls
+    Thin,
+    /// Solids
+    Solid,
+}
+
+impl From<GlassKind> for Glass {
+    fn from(kind: GlassKind) -> Self {
+        match kind {
+            GlassKind::Auto => Self::Auto,
+            GlassKind::Thin => Self::Thin,
+            GlassKind::Solid => Self::Solid,
+        }
+    }
+}
 
 /// How a scene is read from its file.
 #[derive(Args, Clone, Debug, Default, PartialEq, Serialize)]
@@ -16,12 +39,15 @@ pub struct SceneOptions {
     #[arg(long = "scene", value_name = "NAME", help_heading = "Scene")]
     #[serde(rename = "scene")]
     pub scene_name: Option<String>,
+    /// Glass of a glTF file without KHR_materials_volume: a solid where its mesh is closed (auto), a thin wall, or a solid
+    #[arg(long, value_enum, value_name = "KIND", help_heading = "Scene")]
+    pub glass: Option<GlassKind>,
 }
 
 impl SceneOptions {
     /// Options of the loaders.
     pub fn load_options(&self) -> LoadOptions {
-        LoadOptions { scene: self.scene_name.clone() }
+        LoadOptions { scene: self.scene_name.clone(), glass: self.glass.unwrap_or_default().into() }
     }
 
     /// As words of a command line.

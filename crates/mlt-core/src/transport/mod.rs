@@ -35,11 +35,9 @@
 //!     ..Mesh::default()
 //! };
 //! let material = |reflectance, emission| Material {
-//!     name: String::new(),
 //!     bsdf: Bsdf::Lambert(Lambert { reflectance: Rgb::splat(reflectance) }),
 //!     emission: Rgb::splat(emission),
-//!     emits_both_sides: false,
-//!     opacity: 1.0,
+//!     ..Material::default()
 //! };
 //! let scene = Scene::new(SceneDescription {
 //!     meshes: vec![quad(0, 0.0, [1.0, -1.0]), quad(1, 2.0, [-1.0, 1.0])], // a floor that faces up, a lamp that faces down

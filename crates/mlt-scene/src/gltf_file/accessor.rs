@@ -21,11 +21,12 @@ pub(super) struct Reader<'a> {
     vectors: HashMap<usize, Rc<Vectors<'a>>>,
 }
 
-/// The elements of an accessor of three components; integers become numbers as glTF says.
+/// The elements of an accessor of two to four components; integers become numbers as glTF says.
 pub(super) struct Vectors<'a> {
     elements: Elements<'a>,
     kind: DataType,
     normalized: bool,
+    components: usize,
 }
 
 /// Bytes of elements, or zeros where there are none, overlaid with the sparse ones.
@@ -55,10 +56,17 @@ impl Vectors<'_> {
         self.elements.count
     }
 
-    /// The element at `i`, which is less than [`count`](Self::count).
-    pub fn at(&self, i: u32) -> [f32; 3] {
-        let decode = |b: &[u8]| [0, 1, 2].map(|k| component(&b[k * self.kind.size()..], self.kind, self.normalized));
-        self.elements.at(i).map_or([0.0; 3], decode)
+    /// Components of each.
+    pub fn components(&self) -> usize {
+        self.components
+    }
+
+    /// The element at `i`, which is less than [`count`](Self::count); components that it lacks are 0.
+    pub fn at<const N: usize>(&self, i: u32) -> [f32; N] {
+        let size = self.kind.size();
+        let decoded = |b: &[u8], k: usize| component(&b[k * size..], self.kind, self.normalized);
+        let decode = |b: &[u8]| std::array::from_fn(|k| if k < self.components { decoded(b, k) } else { 0.0 });
+        self.elements.at(i).map_or([0.0; N], decode)
     }
 }
 
@@ -84,15 +92,25 @@ impl<'a> Reader<'a> {
 
     /// The elements of an accessor of three components.
     pub fn vectors(&mut self, accessor: &Accessor) -> Result<Rc<Vectors<'a>>, SceneError> {
+        if accessor.dimensions() != Dimensions::Vec3 {
+            self.check_type(accessor)?;
+            return Err(self.invalid(accessor, "elements of three components are expected"));
+        }
+        self.any_vectors(accessor)
+    }
+
+    /// The elements of an accessor of two to four components.
+    pub fn any_vectors(&mut self, accessor: &Accessor) -> Result<Rc<Vectors<'a>>, SceneError> {
         if let Some(known) = self.vectors.get(&accessor.index()) {
             return Ok(known.clone());
         }
         self.check_type(accessor)?;
-        if accessor.dimensions() != Dimensions::Vec3 {
-            return Err(self.invalid(accessor, "elements of three components are expected"));
+        let components = accessor.dimensions().multiplicity();
+        if !matches!(accessor.dimensions(), Dimensions::Vec2 | Dimensions::Vec3 | Dimensions::Vec4) {
+            return Err(self.invalid(accessor, "elements of two to four components are expected"));
         }
         let (kind, normalized) = (accessor.data_type(), accessor.normalized());
-        let vectors = Rc::new(Vectors { elements: self.elements(accessor)?, kind, normalized });
+        let vectors = Rc::new(Vectors { elements: self.elements(accessor)?, kind, normalized, components });
         self.vectors.insert(accessor.index(), vectors.clone());
         Ok(vectors)
     }

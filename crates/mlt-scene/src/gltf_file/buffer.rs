@@ -10,7 +10,7 @@ use base64::{
     alphabet::STANDARD,
     engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
 };
-use gltf::{Buffer, buffer};
+use gltf::{Buffer, Document, buffer};
 use std::{cell::OnceCell, io::ErrorKind};
 
 /// Base64 (RFC 4648, 4) whose padding may be missing.
@@ -54,6 +54,21 @@ impl<'a> Buffers<'a> {
             return Err(self.source.invalid(place, reason, "fetch the file again, it seems cut off"));
         }
         Ok(bytes)
+    }
+
+    /// The content of a buffer view.
+    pub fn view(&self, document: &Document, index: usize) -> Result<Vec<u8>, SceneError> {
+        let invalid = |reason: &str| self.source.invalid(format!("bufferViews[{index}]"), reason, CHECK);
+        let view = document.views().nth(index).ok_or_else(|| invalid("it does not exist"))?;
+        let bytes = self.content(&view.buffer())?;
+        let end = view.offset().checked_add(view.length());
+        let bytes = end.and_then(|end| bytes.get(view.offset()..end));
+        bytes.map(<[u8]>::to_vec).ok_or_else(|| invalid("it ends beyond its buffer"))
+    }
+
+    /// The content that a URI names or holds; `place` names its owner.
+    pub fn read_uri(&self, place: &str, uri: &str) -> Result<Vec<u8>, SceneError> {
+        read_uri(self.source, place, uri)
     }
 
     /// The error for a buffer that has no content: another stands for it, compressed, or it is forgotten.

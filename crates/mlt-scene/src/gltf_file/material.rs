@@ -1,43 +1,148 @@
 //! glTF's materials.
 
-use super::unsupported;
-use crate::{range::Range, text::shown};
-use gltf::Document;
+use super::{
+    texture::{Files, Slot, Slots},
+    unsupported,
+};
+use crate::{SceneError, images::Images, range::Range, text::shown};
+use gltf::{Document, material::AlphaMode};
 use mlt_core::transport::Rgb;
 use mlt_core::transport::bsdf::MetallicRoughness;
-use mlt_core::transport::scene::Material;
-use std::collections::BTreeSet;
+use mlt_core::transport::scene::{Alpha, ChannelMap, Encoding, Map, Maps, Material, NormalMap, Texture};
+use std::collections::BTreeMap;
 
-/// Every material of the document, and glTF's default one behind them if it is used; only used ones give warnings.
-pub(super) fn materials(document: &Document, used: &BTreeSet<usize>, warnings: &mut Vec<String>) -> Vec<Material> {
+/// How the meshes that a scene shows use its materials: the material's index, one behind the last for glTF's default one, and
+/// whether one of the meshes has vertex colours.
+pub(super) type Used = BTreeMap<usize, bool>;
+
+/// Every material of the document, and glTF's default one behind them if it is used, with the textures of those that are used;
+/// only these give warnings.
+pub(super) fn materials(
+    files: &Files,
+    used: &Used,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
+    let document = &files.parsed.document;
+    let mut images = decode(files, used, warnings)?;
     let mut materials = Vec::new();
     for (index, source) in document.materials().enumerate() {
         let mut unheard = Vec::new();
-        let heard = if used.contains(&index) { &mut *warnings } else { &mut unheard };
+        let heard = if used.contains_key(&index) { &mut *warnings } else { &mut unheard };
         heard.extend(unsupported::in_material(&source));
         heard.extend(unsupported::in_volume(&source));
-        materials.push(material(index, &source, heard));
+        let mut converter = Converter { files, images: &mut images, coloured: used.get(&index) == Some(&true) };
+        materials.push(converter.material(index, &source, heard));
     }
-    if used.contains(&materials.len()) {
-        let bsdf = MetallicRoughness::default().bsdf();
-        materials.push(Material {
-            name: "default".to_owned(),
-            bsdf,
-            emission: Rgb::ZERO,
-            emits_both_sides: false,
-            opacity: 1.0,
-        });
+    if let Some(&coloured) = used.get(&materials.len()) {
+        let maps = Maps { vertex_colours: coloured, ..Maps::default() };
+        let plain = Material { name: "default".to_owned(), ..Material::default() };
+        materials.push(plain.scattering(MetallicRoughness::default(), maps, Alpha::Opaque));
     }
-    materials
+    Ok((materials, images.into_textures()))
 }
 
-fn material(index: usize, source: &gltf::Material, warnings: &mut Vec<String>) -> Material {
-    let name = source.name().map_or_else(|| format!("material {index}"), shown);
-    let mut range = Range { material: &name, warnings };
-    let strength = source.emissive_strength().unwrap_or(1.0);
-    let emission = range.colour("the emission", strength * Rgb::from_array(source.emissive_factor()), 1e12);
-    let bsdf = parameters(source, &mut range).bsdf();
-    Material { name, bsdf, emission, emits_both_sides: source.double_sided(), opacity: 1.0 }
+/// The images of the materials in use.
+fn decode(files: &Files, used: &Used, warnings: &mut Vec<String>) -> Result<Images, SceneError> {
+    let document = &files.parsed.document;
+    let mut contents = BTreeMap::new();
+    for material in document.materials().filter(|m| m.index().is_some_and(|i| used.contains_key(&i))) {
+        for slot in Slots::of(&material).iter() {
+            contents.entry(files.name(slot.texture)).or_insert_with(|| files.content(slot.texture));
+        }
+    }
+    if has_occlusion(document, used) {
+        warnings.push("occlusion textures are ignored: light itself finds what is occluded".to_owned());
+    }
+    Images::decode(files.source, contents, warnings)
+}
+
+fn has_occlusion(document: &Document, used: &Used) -> bool {
+    let shown = |m: &gltf::Material| m.index().is_some_and(|i| used.contains_key(&i));
+    document.materials().filter(shown).any(|m| m.occlusion_texture().is_some())
+}
+
+/// Converts one material.
+struct Converter<'a> {
+    files: &'a Files<'a>,
+    images: &'a mut Images,
+    /// A mesh of it has vertex colours.
+    coloured: bool,
+}
+
+impl Converter<'_> {
+    fn material(&mut self, index: usize, source: &gltf::Material, warnings: &mut Vec<String>) -> Material {
+        let name = source.name().map_or_else(|| format!("material {index}"), shown);
+        let mut range = Range { material: &name, warnings };
+        let strength = source.emissive_strength().unwrap_or(1.0);
+        let emission = range.colour("the emission", strength * Rgb::from_array(source.emissive_factor()), 1e12);
+        let mut factors = parameters(source, &mut range);
+        let slots = Slots::of(source);
+        let mut maps = self.maps(&slots);
+        let (opacity, alpha) = opacity(source, &mut maps);
+        // The factor of an image that is lost says nothing: it is white as a rule.
+        let is_dark = slots.emission.is_some() && maps.emission.is_none();
+        let mut emission = if is_dark { Rgb::ZERO } else { emission };
+        if unsupported::is_unlit(source) {
+            emission = factors.base_color;
+            factors = MetallicRoughness { base_color: Rgb::ZERO, metallic: 0.0, specular: 0.0, ..factors };
+            maps = Maps { emission: maps.base_color, opacity: maps.opacity, ..unlit(self.coloured) };
+        }
+        let emits_both_sides = source.double_sided();
+        Material { name, emission, emits_both_sides, opacity, ..Material::default() }.scattering(factors, maps, alpha)
+    }
+
+    fn map(&mut self, slot: Option<Slot>, encoding: Encoding) -> Option<Map> {
+        let slot = slot?;
+        let (name, sampler) = (self.files.name(slot.texture), self.files.sampler(slot.texture));
+        let texture = self.images.texture(&name, sampler, encoding)?;
+        Some(Map { texture, set: slot.set.min(1) as u8, transform: slot.transform })
+    }
+
+    fn channel(&mut self, slot: Option<Slot>, channel: u8) -> Option<ChannelMap> {
+        self.map(slot, Encoding::Linear).map(|map| ChannelMap { map, channel })
+    }
+
+    /// All but that of the opacity.
+    fn maps(&mut self, slots: &Slots) -> Maps {
+        let (normal, scale) = slots.normal.unzip();
+        Maps {
+            base_color: self.map(slots.base_color, Encoding::Srgb),
+            metallic: self.channel(slots.metallic_roughness, 2),
+            roughness: self.channel(slots.metallic_roughness, 1),
+            transmission: self.channel(slots.transmission, 0),
+            specular: self.channel(slots.specular, 3),
+            specular_color: self.map(slots.specular_color, Encoding::Srgb),
+            emission: self.map(slots.emission, Encoding::Srgb),
+            normal: self.map(normal, Encoding::Linear).zip(scale).map(|(map, scale)| NormalMap { map, scale }),
+            vertex_colours: self.coloured,
+            ..Maps::default()
+        }
+    }
+}
+
+/// The opacity, and how it varies: the texture's alpha has its map added.
+fn opacity(source: &gltf::Material, maps: &mut Maps) -> (f32, Alpha) {
+    let [.., factor] = source.pbr_metallic_roughness().base_color_factor();
+    let alpha = match source.alpha_mode() {
+        AlphaMode::Opaque => return (1.0, Alpha::Opaque),
+        AlphaMode::Mask => Alpha::Mask(source.alpha_cutoff().unwrap_or(0.5)),
+        AlphaMode::Blend => Alpha::Blend,
+    };
+    // Alpha is linear in either encoding: one texture serves both.
+    maps.opacity = maps.base_color.map(|map| ChannelMap { map, channel: 3 });
+    if maps.opacity.is_some() || maps.vertex_colours {
+        return (factor.clamp(0.0, 1.0), alpha);
+    }
+    let opacity = match alpha {
+        Alpha::Mask(least) => f32::from(u8::from(factor >= least)),
+        _ => factor.clamp(0.0, 1.0),
+    };
+    (opacity, Alpha::Opaque)
+}
+
+/// Maps of a surface that shows its colour whatever light there is: it emits it, and reflects nothing.
+fn unlit(coloured: bool) -> Maps {
+    Maps { vertex_colours: coloured, emissive_vertices: coloured, ..Maps::default() }
 }
 
 /// A surface with KHR_materials_volume bounds a solid, whatever thickness its author gave for rasterisers;

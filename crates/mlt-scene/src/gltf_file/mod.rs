@@ -10,16 +10,19 @@ mod graph;
 mod material;
 mod parse;
 mod primitive;
+mod texture;
 mod unsupported;
 
 use crate::{LoadOptions, Loaded, SceneError, geometry::GeometrySize, source::Source};
 use accessor::Reader;
 use buffer::Buffers;
+use gltf::{Document, Primitive, Semantic};
 use graph::{Graph, Placed};
+use material::Used;
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::scene::SceneDescription;
 use parse::Parsed;
-use std::collections::BTreeSet;
+use texture::Files;
 
 /// The remedy for a file that contradicts itself.
 const CHECK: &str = "export the scene again or check it with a glTF validator";
@@ -44,31 +47,49 @@ fn surfaces(
     warnings: &mut Vec<String>,
 ) -> Result<SceneDescription, SceneError> {
     take_memory(source, nodes)?;
-    let document = &parsed.document;
     let buffers = Buffers::new(source, parsed);
+    let files = Files { source, parsed, buffers: &buffers };
+    let (materials, textures) = material::materials(&files, &used(&parsed.document, nodes), warnings)?;
+    let mut scene = SceneDescription { materials, textures, ..SceneDescription::default() };
     let mut reader = Reader::new(source, parsed, &buffers);
-    let (mut scene, mut used) = (SceneDescription::default(), BTreeSet::new());
-    for (node, to_world) in nodes {
+    for placed @ (node, _) in nodes {
         warnings.extend(unsupported::in_node(node));
         for primitive in node.mesh().iter().flat_map(|m| m.primitives()) {
-            let material = primitive.material().index().unwrap_or(document.materials().len());
-            used.insert(material);
-            let mesh = primitive::mesh(&mut reader, node, &primitive, to_world, warnings)?;
+            let material = material_of(&parsed.document, &primitive);
+            let textured = scene.materials[material].textured.is_some();
+            let mesh = primitive::mesh(&mut reader, placed, &primitive, textured, warnings)?;
             scene.meshes.extend(mesh.map(|m| Mesh { material: material as u32, ..m }));
         }
     }
-    scene.materials = material::materials(document, &used, warnings);
     if scene.meshes.is_empty() {
         warnings.push("the scene has no triangles".to_owned());
     }
     Ok(scene)
 }
 
+/// Index of a primitive's material; that of glTF's default one is one behind the last.
+fn material_of(document: &Document, primitive: &Primitive) -> usize {
+    primitive.material().index().unwrap_or(document.materials().len())
+}
+
+/// The materials that some nodes show.
+fn used(document: &Document, nodes: &[Placed]) -> Used {
+    let mut used = Used::new();
+    for primitive in nodes.iter().filter_map(|(node, _)| node.mesh()).flat_map(|m| m.primitives()) {
+        let coloured = primitive.get(&Semantic::Colors(0)).is_some();
+        *used.entry(material_of(document, &primitive)).or_default() |= coloured;
+    }
+    used
+}
+
 /// Takes the memory for the primitives, counted at each node that shows them.
 fn take_memory(source: &Source, nodes: &[Placed]) -> Result<(), SceneError> {
     let mut size = GeometrySize::default();
     for primitive in nodes.iter().filter_map(|(node, _)| node.mesh()).flat_map(|m| m.primitives()) {
-        size.add(primitive::triangle_count(&primitive), primitive.material().emissive_factor() != [0.0; 3]);
+        let textured = [Semantic::TexCoords(0), Semantic::Colors(0)].iter().any(|s| primitive.get(s).is_some());
+        let material = primitive.material();
+        let emits = material.emissive_factor() != [0.0; 3] || unsupported::is_unlit(&material);
+        size.add(primitive::triangle_count(&primitive), emits, textured);
     }
     size.take(source)
 }

@@ -3,19 +3,46 @@
 use super::{
     CHECK,
     accessor::{Reader, Vectors},
-    graph::place,
+    graph::{Placed, place},
 };
-use crate::{SceneError, geometry::RawMesh};
-use glam::{DMat3, DMat4, DVec3};
-use gltf::{Accessor, Node, Primitive, Semantic, mesh::Mode};
+use crate::{
+    SceneError,
+    geometry::{Attributes, RawMesh},
+};
+use glam::{DMat3, DVec3, Vec2, Vec4};
+use gltf::{Accessor, Primitive, Semantic, mesh::Mode};
 use mlt_core::transport::geometry::Mesh;
+use std::rc::Rc;
 
-/// The primitive in world space; `None`: it has no triangles.
+/// What a primitive's vertices carry for its material's textures.
+#[derive(Default)]
+struct TextureData<'a> {
+    uv: [Option<Rc<Vectors<'a>>>; 2],
+    colours: Option<Rc<Vectors<'a>>>,
+    tangents: Option<Rc<Vectors<'a>>>,
+}
+
+impl<'a> TextureData<'a> {
+    /// Of as many vertices as there are; what has another number of them is left out.
+    fn read(reader: &mut Reader<'a>, primitive: &Primitive, count: usize) -> Result<Self, SceneError> {
+        let mut read = |semantic: Semantic, components: &[usize]| -> Result<_, SceneError> {
+            let found = primitive.get(&semantic).map(|accessor| reader.any_vectors(&accessor)).transpose()?;
+            Ok(found.filter(|v| v.count() == count && components.contains(&v.components())))
+        };
+        Ok(Self {
+            uv: [read(Semantic::TexCoords(0), &[2])?, read(Semantic::TexCoords(1), &[2])?],
+            colours: read(Semantic::Colors(0), &[3, 4])?,
+            tangents: read(Semantic::Tangents, &[4])?,
+        })
+    }
+}
+
+/// The primitive in world space; `None`: it has no triangles. `textured`: whether its material reads textures or colours.
 pub(super) fn mesh(
     reader: &mut Reader,
-    node: &Node,
+    (node, to_world): &Placed,
     primitive: &Primitive,
-    to_world: &DMat4,
+    textured: bool,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Mesh>, SceneError> {
     let place = format!("{}, primitive {}", place(node), primitive.index());
@@ -42,11 +69,29 @@ pub(super) fn mesh(
     }
     let to_world_normal = cofactors(linear) * if mirrored { -1.0 } else { 1.0 };
     let normals = normals.as_deref();
+    let data = match textured {
+        true => TextureData::read(reader, primitive, positions.count())?,
+        false => TextureData::default(),
+    };
+    let uv = data.uv.each_ref().map(|set| set.as_deref().map(|set| move |i: u32| Vec2::from(set.at::<2>(i))));
+    let colour = data.colours.as_deref().map(|colours| move |i: u32| rgba(colours, i));
+    let handedness = if mirrored { -1.0 } else { 1.0 };
+    let tangent = data.tangents.as_deref().map(|tangents| {
+        move |i: u32| {
+            let [x, y, z, w] = tangents.at::<4>(i);
+            (linear * DVec3::from_array([x, y, z].map(f64::from))).normalize_or_zero().as_vec3().extend(w * handedness)
+        }
+    });
     let raw = RawMesh {
         name: node.name().or_else(|| node.mesh()?.name()).map_or_else(|| place.clone(), str::to_owned),
         triangles,
         position: |i| to_world.transform_point3(vector(&positions, i)),
         normal: normals.map(|n| move |i| (to_world_normal * vector(n, i)).normalize_or_zero().as_vec3()),
+        attributes: Attributes {
+            uv: uv.each_ref().map(|set| set.as_ref().map(|set| set as &dyn Fn(u32) -> Vec2)),
+            colour: colour.as_ref().map(|colour| colour as &dyn Fn(u32) -> Vec4),
+            tangent: tangent.as_ref().map(|tangent| tangent as &dyn Fn(u32) -> Vec4),
+        },
     };
     Ok(raw.finish(warnings))
 }
@@ -100,6 +145,12 @@ fn cofactors(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
+/// A colour, opaque where it has no alpha.
+fn rgba(colours: &Vectors, i: u32) -> Vec4 {
+    let [r, g, b, a] = colours.at::<4>(i);
+    Vec4::new(r, g, b, if colours.components() == 4 { a } else { 1.0 })
+}
+
 fn vector(vectors: &Vectors, i: u32) -> DVec3 {
-    DVec3::from_array(vectors.at(i).map(f64::from))
+    DVec3::from_array(vectors.at::<3>(i).map(f64::from))
 }

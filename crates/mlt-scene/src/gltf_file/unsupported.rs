@@ -2,7 +2,7 @@
 
 use super::graph::{Placed, place};
 use crate::text::shown;
-use gltf::{Document, Material, Node, Semantic, material::AlphaMode};
+use gltf::{Document, Material, Node};
 use std::collections::BTreeSet;
 
 /// Extensions that are read, that change no image, or that speak of what has its own warning.
@@ -14,6 +14,7 @@ const KNOWN: &[&str] = &[
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
@@ -27,6 +28,9 @@ const KNOWN: &[&str] = &[
     "EXT_texture_webp",
     "MSFT_texture_dds",
 ];
+
+/// A material without any shading.
+const UNLIT: &str = "KHR_materials_unlit";
 
 /// Copies of a node's mesh.
 const INSTANCES: &str = "EXT_mesh_gpu_instancing";
@@ -67,9 +71,6 @@ pub(super) fn in_node(node: &Node) -> Option<String> {
     if primitives().any(|p| p.morph_targets().len() > 0) {
         features.push("morph targets".to_owned());
     }
-    if primitives().any(|p| p.get(&Semantic::Colors(0)).is_some()) {
-        features.push("vertex colours".to_owned());
-    }
     features.extend(node.extensions().into_iter().flat_map(|map| map.keys()).map(|name| match name.as_str() {
         INSTANCES => format!("the copies of its mesh by {INSTANCES} (it is shown once, at the node itself)"),
         _ => shown(name),
@@ -84,24 +85,12 @@ pub(super) fn lights(nodes: &[Placed]) -> usize {
 
 /// Of one material.
 pub(super) fn in_material(material: &Material) -> Option<String> {
-    let pbr = material.pbr_metallic_roughness();
-    let (transmission, volume, specular) = (material.transmission(), material.volume(), material.specular());
-    let textured = pbr.base_color_texture().is_some();
-    let translucent = textured || pbr.base_color_factor()[3] < 1.0;
+    let (volume, specular) = (material.volume(), material.specular());
     let absorbs = |v: &gltf::material::Volume| {
         v.attenuation_distance().is_finite() && v.attenuation_color().iter().any(|&c| c < 1.0)
     };
     let glossy = |s: &gltf::material::Specular| s.specular_factor() != 1.0 || s.specular_color_factor() != [1.0; 3];
     let features = [
-        (textured, "baseColorTexture"),
-        (pbr.metallic_roughness_texture().is_some(), "metallicRoughnessTexture"),
-        (material.normal_texture().is_some(), "normalTexture"),
-        (material.emissive_texture().is_some(), "emissiveTexture"),
-        (transmission.is_some_and(|t| t.transmission_texture().is_some()), "transmissionTexture"),
-        (specular.as_ref().is_some_and(|s| s.specular_texture().is_some()), "specularTexture"),
-        (specular.as_ref().is_some_and(|s| s.specular_color_texture().is_some()), "specularColorTexture"),
-        (translucent && material.alpha_mode() == AlphaMode::Blend, "alphaMode BLEND"),
-        (translucent && material.alpha_mode() == AlphaMode::Mask, "alphaMode MASK"),
         (volume.as_ref().is_some_and(absorbs), "attenuation in the volume"),
         (
             transmits(material) && specular.as_ref().is_some_and(glossy),
@@ -109,8 +98,14 @@ pub(super) fn in_material(material: &Material) -> Option<String> {
         ),
     ];
     let features = features.iter().filter(|f| f.0).map(|f| f.1.to_owned());
-    let extensions = material.extensions().into_iter().flat_map(|map| map.keys()).map(|name| shown(name));
+    let names = material.extensions().into_iter().flat_map(|map| map.keys());
+    let extensions = names.filter(|name| *name != UNLIT).map(|name| shown(name));
     sentence(&place_of(material), features.chain(extensions).collect())
+}
+
+/// Whether a material shows its base colour whatever light there is.
+pub(super) fn is_unlit(material: &Material) -> bool {
+    material.extension_value(UNLIT).is_some()
 }
 
 /// Of a material whose volume has no thickness.

@@ -1,6 +1,7 @@
 //! Material libraries: the files, what their statements say to the parser, and where a name is found.
 
 use super::text::{self, Numbered, Reduced, name, unquoted, without_comment, without_remark};
+use super::texture;
 use crate::{SceneError, source::Source};
 use std::collections::{HashMap, HashSet};
 
@@ -14,18 +15,26 @@ const NUMBERS: [&str; 6] = ["Ns", "Ni", "d", "Tr", "Pr", "Pm"];
 #[derive(Clone, Default)]
 pub(super) struct Library {
     pub materials: Vec<tobj::Material>,
+    /// Of each material: the folder of its library below the scene's, empty or with a slash at its end.
+    pub folders: Vec<String>,
     pub places: HashMap<String, usize>,
 }
 
 /// All material libraries that a file names; one that cannot be read is a warning.
 pub(super) fn read(source: &Source, reduced: &Reduced, warnings: &mut Vec<String>) -> Result<Library, SceneError> {
-    let (mut materials, mut seen, mut complete) = (Vec::new(), HashSet::new(), true);
+    let (mut materials, mut folders) = (Vec::new(), Vec::new());
+    let (mut seen, mut complete) = (HashSet::new(), true);
     for name in reduced.libraries.iter().flat_map(|rest| files(source, rest)) {
         if !seen.insert(name.clone()) {
             continue;
         }
         match source.read_beside(&name) {
-            Ok(bytes) => materials.extend(parse(source, &name, bytes, warnings)?),
+            Ok(bytes) => {
+                materials.extend(parse(source, &name, bytes, warnings)?);
+                let path = name.replace('\\', "/");
+                let folder = path.rsplit_once('/').map_or_else(String::new, |(folder, _)| format!("{folder}/"));
+                folders.resize(materials.len(), folder);
+            }
             Err(error) => {
                 complete = false;
                 warnings.push(format!("{error}; until then grey stands in for its materials"));
@@ -38,7 +47,7 @@ pub(super) fn read(source: &Source, reduced: &Reduced, warnings: &mut Vec<String
         let names = unknown.join("`, `");
         warnings.push(format!("no material library defines `{names}`; grey stands in"));
     }
-    Ok(Library { materials, places })
+    Ok(Library { materials, folders, places })
 }
 
 /// The files that an `mtllib` statement names: one with all its blanks, or several, each up to `.mtl` or in quotes, or one a
@@ -132,7 +141,10 @@ fn statement(key: &str, rest: &str) -> Option<String> {
     if let Some(key) = spelled(&NUMBERS) {
         return Some(format!("{key} {}", words.first().and_then(number)?));
     }
-    match spelled(&["illum", "newmtl", "Ka"]) {
+    if let Some(map) = spelled(&texture::READ) {
+        return (!rest.trim().is_empty()).then(|| format!("{}{map} {rest}", texture::PREFIX));
+    }
+    match spelled(&["illum", "newmtl", "Ka", "map_Ka"]) {
         Some("illum") => words.first().and_then(number).map(|model| format!("illum {}", model as u8)),
         Some("newmtl") => Some(format!("newmtl {}", name(rest))),
         // Ambient light is not rendered.

@@ -1,9 +1,10 @@
 //! MTL's materials.
 
-use crate::range::Range;
+use super::maps::Statements;
+use crate::{images::Images, range::Range};
 use mlt_core::transport::Rgb;
 use mlt_core::transport::bsdf::MetallicRoughness;
-use mlt_core::transport::scene::Material;
+use mlt_core::transport::scene::{Alpha, Maps, Material};
 
 /// Reflectance of the surface that stands in for a missing material.
 const GREY: Rgb = Rgb::splat(0.5);
@@ -11,22 +12,33 @@ const GREY: Rgb = Rgb::splat(0.5);
 /// Reflectance at normal incidence of a dielectric with glTF's index of refraction, 1.5.
 const F0: f32 = 0.04;
 
-/// Substitute for a material that is not defined.
-pub(super) fn grey() -> Material {
-    let bsdf = diffuse(GREY).bsdf();
-    Material { name: "grey".to_owned(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 }
+/// Substitute for a material that is not defined; under `coloured` vertices it is white.
+pub(super) fn grey(coloured: bool) -> Material {
+    let maps = Maps { vertex_colours: coloured, ..Maps::default() };
+    let base = if coloured { Rgb::ONE } else { GREY };
+    Material { name: "grey".to_owned(), ..Material::default() }.scattering(diffuse(base), maps, Alpha::Opaque)
+}
+
+/// What a material's textures are made from.
+pub(super) struct Textures<'a> {
+    pub statements: &'a Statements<'a>,
+    pub images: &'a mut Images,
+    /// A mesh of it has vertex colours.
+    pub coloured: bool,
 }
 
 /// A material, which emits `Ke` as radiance from its front.
-pub(super) fn material(source: &tobj::Material, warnings: &mut Vec<String>) -> Material {
+pub(super) fn material(source: &tobj::Material, textures: Textures, warnings: &mut Vec<String>) -> Material {
     let name = source.name.clone();
     let mut range = Range { material: &name, warnings };
-    let emission = rgb(source.emissive).map_or(Rgb::ZERO, |c| range.colour("Ke", c, 1e12));
-    let bsdf = parameters(source, &mut range).bsdf();
+    let statements = textures.statements;
+    let glows = statements.has("map_ke").then_some(Rgb::ONE);
+    let emission = rgb(source.emissive).or(glows).map_or(Rgb::ZERO, |c| range.colour("Ke", c, 1e12));
+    let factors = parameters(source, &textures, &mut range);
     let opacity = if is_glass(source) { 1.0 } else { opacity(source, &mut range) };
-    let textures = textures(source);
-    if !textures.is_empty() {
-        warnings.push(format!("material `{name}`: not supported and left out: {}", textures.join(", ")));
+    let unread = unread(source);
+    if !unread.is_empty() {
+        warnings.push(format!("material `{name}`: not supported and left out: {}", unread.join(", ")));
     }
     match opacity {
         0.0 => warnings.push(format!("material `{name}`: its opacity is 0, so it is invisible; `illum 7` makes glass")),
@@ -35,12 +47,28 @@ pub(super) fn material(source: &tobj::Material, warnings: &mut Vec<String>) -> M
         }
         _ => {}
     }
-    Material { name, bsdf, emission, emits_both_sides: false, opacity }
+    let exponent = (factors.metallic < 1.0).then_some(source.shininess).flatten().map(|n| n as f32);
+    let mirror = is_mirror(source);
+    let maps = Maps { vertex_colours: textures.coloured, ..statements.maps(textures.images, exponent, mirror) };
+    // The colour of an image that is lost says nothing.
+    let emission = if statements.has("map_ke") && maps.emission.is_none() { Rgb::ZERO } else { emission };
+    let factors = match maps.roughness {
+        Some(_) if !statements.has("map_pr") => MetallicRoughness { roughness: 1.0, ..factors },
+        _ => factors,
+    };
+    let alpha = if maps.opacity.is_some() { Alpha::Blend } else { Alpha::Opaque };
+    let plain = Material { name, emission, opacity, ..Material::default() };
+    plain.scattering(factors, maps, alpha)
 }
 
 /// Whether the illumination model is one of those with "glass on" or refraction.
 fn is_glass(source: &tobj::Material) -> bool {
     matches!(source.illumination_model, Some(4 | 6 | 7 | 9))
+}
+
+/// Whether the illumination model reflects without any gloss, and does not let light pass.
+fn is_mirror(source: &tobj::Material) -> bool {
+    matches!(source.illumination_model, Some(3 | 5))
 }
 
 /// `d`, or else 1 − `Tr`.
@@ -53,26 +81,33 @@ fn opacity(source: &tobj::Material, range: &mut Range) -> f32 {
 }
 
 /// The model that a material's parameters ask for, in this order: glass, the `Pr`/`Pm` extension, mirror, gloss, diffuse.
-fn parameters(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
+fn parameters(source: &tobj::Material, textures: &Textures, range: &mut Range) -> MetallicRoughness {
     let shown = source.illumination_model.unwrap_or(2);
+    let (has, white) = (|key| textures.statements.has(key), Some(Rgb::ONE));
     if is_glass(source) {
         return glass(source, range);
     }
-    let absent = if source.emissive.is_some() { Rgb::ZERO } else { GREY };
+    let absent = match source.emissive {
+        _ if has("map_kd") || textures.coloured => Rgb::ONE,
+        Some(_) => Rgb::ZERO,
+        None => GREY,
+    };
     let base_color = range.colour("Kd", rgb(source.diffuse).unwrap_or(absent), 1.0);
     let (metallic, roughness) = (number(source, "Pm"), number(source, "Pr"));
-    if metallic.is_some() || roughness.is_some() {
+    if metallic.is_some() || roughness.is_some() || has("map_pm") || has("map_pr") {
+        let unset = f32::from(u8::from(has("map_pm")));
         return MetallicRoughness {
             base_color,
-            metallic: range.number("Pm", metallic.unwrap_or(0.0), [0.0, 1.0]),
+            metallic: range.number("Pm", metallic.unwrap_or(unset), [0.0, 1.0]),
             roughness: range.number("Pr", roughness.unwrap_or(1.0), [0.0, 1.0]),
             ..MetallicRoughness::default()
         };
     }
-    let specular = range.colour("Ks", rgb(source.specular).unwrap_or(Rgb::ZERO), 1.0);
+    let specular =
+        range.colour("Ks", rgb(source.specular).or(white.filter(|_| has("map_ks"))).unwrap_or(Rgb::ZERO), 1.0);
     match source.shininess {
         _ if specular == Rgb::ZERO => diffuse(base_color),
-        _ if matches!(shown, 3 | 5) => {
+        _ if is_mirror(source) => {
             MetallicRoughness { base_color: specular, roughness: 0.0, ..MetallicRoughness::default() }
         }
         Some(exponent) if shown >= 2 => glossy(base_color, specular, range.number("Ns", exponent as f32, [0.0, 1e6])),
@@ -98,16 +133,20 @@ fn glass(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
     }
 }
 
-/// A diffuse base under a reflection that is `specular` at normal incidence.
+/// Roughness of a lobe with Blinn's exponent.
 ///
 /// α = √(2 / (n + 2)) gives a microfacet distribution the width of Blinn's lobe with exponent n; roughness = √α.
 /// Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007.
+pub(super) fn roughness(exponent: f32) -> f32 {
+    (2.0 / (exponent + 2.0)).sqrt().sqrt()
+}
+
+/// A diffuse base under a reflection that is `specular` at normal incidence.
 fn glossy(base_color: Rgb, specular: Rgb, exponent: f32) -> MetallicRoughness {
-    let alpha = (2.0 / (exponent + 2.0)).sqrt();
     MetallicRoughness {
         base_color,
         metallic: 0.0,
-        roughness: alpha.sqrt(),
+        roughness: roughness(exponent),
         specular_color: specular / F0,
         ..MetallicRoughness::default()
     }
@@ -128,19 +167,11 @@ fn rgb(colour: Option<[f64; 3]>) -> Option<Rgb> {
     colour.map(|c| Rgb::from_array(c.map(|x| x as f32)))
 }
 
-/// The statements that name texture files.
-fn textures(source: &tobj::Material) -> Vec<String> {
-    let read = [
-        (&source.diffuse_texture, "map_Kd"),
-        (&source.specular_texture, "map_Ks"),
-        (&source.normal_texture, "bump"),
-        (&source.shininess_texture, "map_Ns"),
-        (&source.dissolve_texture, "map_d"),
-    ];
-    let unread =
-        source.unknown_param.keys().filter(|k| k.starts_with("map_") || ["disp", "norm", "refl"].contains(&k.as_str()));
-    let mut names: Vec<_> =
-        read.iter().filter(|t| t.0.is_some()).map(|t| t.1.to_owned()).chain(unread.cloned()).collect();
+/// Statements that change the image and are not read.
+fn unread(source: &tobj::Material) -> Vec<String> {
+    const UNREAD: [&str; 8] = ["disp", "refl", "decal", "Ps", "Pc", "Pcr", "aniso", "anisor"];
+    let is_unread = |key: &&String| key.starts_with("map_") || UNREAD.contains(&key.as_str());
+    let mut names: Vec<_> = source.unknown_param.keys().filter(is_unread).cloned().collect();
     names.sort();
     names
 }
@@ -149,11 +180,22 @@ fn textures(source: &tobj::Material) -> Vec<String> {
 mod tests {
     use super::*;
 
+    /// No textures.
+    fn plain(images: &mut Images) -> Textures<'_> {
+        Textures { statements: &NO_STATEMENTS, images, coloured: false }
+    }
+
+    static NO_STATEMENTS: Statements = Statements::NONE;
+
     fn parsed(mtl: &str) -> MetallicRoughness {
         let text = format!("newmtl m\n{mtl}");
         let (materials, _) = tobj::load_mtl_buf(&mut text.as_bytes()).unwrap();
         let mut warnings = Vec::new();
-        let parameters = parameters(&materials[0], &mut Range { material: "m", warnings: &mut warnings });
+        let parameters = parameters(
+            &materials[0],
+            &plain(&mut Images::default()),
+            &mut Range { material: "m", warnings: &mut warnings },
+        );
         assert!(warnings.is_empty(), "{warnings:?}");
         parameters
     }
@@ -208,7 +250,7 @@ mod tests {
             let text = format!("newmtl m\n{mtl}");
             let (materials, _) = tobj::load_mtl_buf(&mut text.as_bytes()).unwrap();
             let mut warnings = Vec::new();
-            assert_eq!(material(&materials[0], &mut warnings).opacity, opacity, "{mtl}");
+            assert_eq!(material(&materials[0], plain(&mut Images::default()), &mut warnings).opacity, opacity, "{mtl}");
             assert_eq!(warnings.len(), count, "{mtl}: {warnings:?}");
         }
     }

@@ -1,21 +1,25 @@
 //! Wavefront OBJ with its material libraries.
 
 mod library;
+mod maps;
 mod material;
 mod polygon;
 mod text;
+mod texture;
 
 use crate::{
     LoadOptions, Loaded, SceneError,
-    geometry::{GeometrySize, RawMesh},
+    geometry::{Attributes, GeometrySize, RawMesh},
     source::Source,
     text::shown,
 };
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use library::Library;
+use maps::Statements;
+use material::Textures;
 use mlt_core::transport::Rgb;
 use mlt_core::transport::geometry::Mesh;
-use mlt_core::transport::scene::SceneDescription;
+use mlt_core::transport::scene::{SceneDescription, srgb_to_linear};
 use std::{io::Read, path::Path};
 use text::{Numbered, Reduced};
 
@@ -32,39 +36,48 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     }
     let bytes = source.read()?;
     source.take(bytes.len() as u64 * BYTES_PER_BYTE, "the text")?;
-    let reduced = Reduced::new(&text::decode(bytes));
+    let text = text::decode(bytes);
+    let reduced = Reduced::new(&text);
     let mut warnings = reduced.warnings();
-    let Library { materials, places } = library::read(source, &reduced, &mut warnings)?;
-    let options = tobj::LoadOptions { single_index: true, ignore_points: true, ignore_lines: true, triangulate: false };
-    let parse = |numbered: &mut Numbered| {
-        let library = |_: &Path| Ok((materials.clone(), places.clone().into_iter().collect()));
-        tobj::load_obj_buf(&mut MTLLIB.chain(numbered), &options, library).map_err(|e| e.to_string())
-    };
-    let (models, _) = text::parse(&source.path, "OBJ", &reduced.text, parse)?;
-    let description = describe(source, models, &materials, &mut warnings)?;
+    let library = library::read(source, &reduced, &mut warnings)?;
+    let models = parse(source, &reduced, &library).or_else(|error| {
+        let models = parse(source, &reduced.without_coordinates(&text), &library).map_err(|_| error)?;
+        warnings.push("faces name texture coordinates that are not there; all are left out".to_owned());
+        Ok::<_, SceneError>(models)
+    })?;
+    let description = describe(source, models, &library, &mut warnings)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Loaded { name, description, warnings, lights_left_out: 0, digest: source.digest() })
+}
+
+fn parse(source: &Source, reduced: &Reduced, library: &Library) -> Result<Vec<tobj::Model>, SceneError> {
+    let options = tobj::LoadOptions { single_index: true, ignore_points: true, ignore_lines: true, triangulate: false };
+    let parse = |numbered: &mut Numbered| {
+        let read = |_: &Path| Ok((library.materials.clone(), library.places.clone().into_iter().collect()));
+        tobj::load_obj_buf(&mut MTLLIB.chain(numbered), &options, read).map_err(|e| e.to_string())
+    };
+    Ok(text::parse(&source.path, "OBJ", &reduced.text, parse)?.0)
 }
 
 fn describe(
     source: &Source,
     models: Vec<tobj::Model>,
-    materials: &[tobj::Material],
+    library: &Library,
     warnings: &mut Vec<String>,
 ) -> Result<SceneDescription, SceneError> {
-    let materials = materials.iter().map(|m| material::material(m, warnings)).collect();
-    let mut scene = SceneDescription { materials, ..SceneDescription::default() };
-    let grey = scene.materials.len();
-    if models.iter().any(|m| m.mesh.material_id.is_none()) {
-        scene.materials.push(material::grey());
-    }
+    let mut scene = materials(source, &models, library, warnings)?;
+    let grey = library.materials.len();
+    let material_of = |mesh: &tobj::Mesh| mesh.material_id.unwrap_or(grey);
     let mut size = GeometrySize::default();
-    let emits = |m: &tobj::Mesh| m.material_id.is_some_and(|i| scene.materials[i].emission != Rgb::ZERO);
-    models.iter().for_each(|m| size.add(triangle_count(&m.mesh), emits(&m.mesh)));
+    for tobj::Model { mesh, .. } in &models {
+        let material = &scene.materials[material_of(mesh)];
+        size.add(triangle_count(mesh), material.emission != Rgb::ZERO, material.textured.is_some());
+    }
     size.take(source)?;
     for model in models {
-        let material = model.mesh.material_id.unwrap_or(grey) as u32;
-        scene.meshes.extend(mesh(model, warnings).map(|m| Mesh { material, ..m }));
+        let material = material_of(&model.mesh);
+        let textured = scene.materials[material].textured.is_some();
+        scene.meshes.extend(mesh(model, textured, warnings).map(|m| Mesh { material: material as u32, ..m }));
     }
     if scene.meshes.is_empty() {
         warnings.push("the scene has no triangles".to_owned());
@@ -72,7 +85,33 @@ fn describe(
     Ok(scene)
 }
 
-fn mesh(model: tobj::Model, warnings: &mut Vec<String>) -> Option<Mesh> {
+/// All materials, behind them grey for what has none, and the textures of those in use.
+fn materials(
+    source: &Source,
+    models: &[tobj::Model],
+    library: &Library,
+    warnings: &mut Vec<String>,
+) -> Result<SceneDescription, SceneError> {
+    let grey = library.materials.len();
+    let used = |i: usize| models.iter().any(|m| m.mesh.material_id.unwrap_or(grey) == i);
+    let coloured =
+        |i: usize| models.iter().any(|m| m.mesh.material_id.unwrap_or(grey) == i && !m.mesh.vertex_color.is_empty());
+    let statements = |i: usize| Statements::of(&library.materials[i], &library.folders[i]);
+    let mut images = maps::decode(source, (0..grey).filter(|&i| used(i)).map(statements), warnings)?;
+    let mut scene = SceneDescription::default();
+    for (i, material) in library.materials.iter().enumerate() {
+        let statements = statements(i);
+        let textures = Textures { statements: &statements, images: &mut images, coloured: coloured(i) };
+        scene.materials.push(material::material(material, textures, warnings));
+    }
+    if used(grey) {
+        scene.materials.push(material::grey(coloured(grey)));
+    }
+    scene.textures = images.into_textures();
+    Ok(scene)
+}
+
+fn mesh(model: tobj::Model, textured: bool, warnings: &mut Vec<String>) -> Option<Mesh> {
     let tobj::Model { mesh, name } = model;
     let name = shown(&name);
     let (positions, _) = mesh.positions.as_chunks::<3>();
@@ -81,6 +120,12 @@ fn mesh(model: tobj::Model, warnings: &mut Vec<String>) -> Option<Mesh> {
     if !smooth && !normals.is_empty() {
         warnings.push(format!("mesh `{name}`: some vertices have normals and some have none; all are left out"));
     }
+    let (coordinates, _) = mesh.texcoords.as_chunks::<2>();
+    let (colours, _) = mesh.vertex_color.as_chunks::<3>();
+    // v grows upwards in OBJ.
+    let uv = |i: u32| Vec2::new(coordinates[i as usize][0] as f32, 1.0 - coordinates[i as usize][1] as f32);
+    let colour = |i: u32| Vec3::from_array(colours[i as usize].map(|c| srgb_to_linear(c as f32))).extend(1.0);
+    let (has_uv, has_colours) = [coordinates.len(), colours.len()].map(|n| textured && n == positions.len()).into();
     let triangles = triangles(&mesh, positions, &name, warnings);
     let raw = RawMesh {
         name,
@@ -88,6 +133,11 @@ fn mesh(model: tobj::Model, warnings: &mut Vec<String>) -> Option<Mesh> {
         position: |i| DVec3::from_array(positions[i as usize]),
         normal: smooth
             .then_some(|i: u32| -> Vec3 { DVec3::from_array(normals[i as usize]).normalize_or_zero().as_vec3() }),
+        attributes: Attributes {
+            uv: [has_uv.then_some(&uv), None],
+            colour: has_colours.then_some(&colour),
+            tangent: None,
+        },
     };
     raw.finish(warnings)
 }

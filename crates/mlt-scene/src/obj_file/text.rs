@@ -87,16 +87,38 @@ pub(super) struct Reduced {
     /// Names of materials in use.
     pub used: BTreeSet<String>,
     has_lines: bool,
+    /// Some vertices have colours.
     has_colours: bool,
+    /// Some vertices have none.
+    has_plain: bool,
     has_curves: bool,
 }
 
+/// What vertices keep besides positions and normals.
+#[derive(Clone, Copy)]
+struct Kept {
+    colours: bool,
+    coordinates: bool,
+}
+
 impl Reduced {
-    /// Reduces `text`.
+    /// Reduces `text`. Colours are kept where every vertex has one.
     pub fn new(text: &str) -> Self {
+        let all = Kept { colours: true, coordinates: true };
+        let reduced = Self::keeping(text, all);
+        let mixed = reduced.has_colours && reduced.has_plain;
+        if mixed { Self::keeping(text, Kept { colours: false, ..all }) } else { reduced }
+    }
+
+    /// The same without texture coordinates, where faces name some that are not there.
+    pub fn without_coordinates(&self, text: &str) -> Self {
+        Self::keeping(text, Kept { colours: !self.has_plain, coordinates: false })
+    }
+
+    fn keeping(text: &str, kept: Kept) -> Self {
         let add = |mut reduced: Self, line: &str| {
-            let kept = reduced.line(line.trim());
-            reduced.text.push_str(&kept);
+            let line = reduced.line(line.trim(), kept);
+            reduced.text.push_str(&line);
             reduced.text.push('\n');
             reduced
         };
@@ -113,14 +135,17 @@ impl Reduced {
         self.used.extend(next.used);
         self.has_lines |= next.has_lines;
         self.has_colours |= next.has_colours;
+        self.has_plain |= next.has_plain;
         self.has_curves |= next.has_curves;
         self
     }
 
-    fn line<'a>(&mut self, line: &'a str) -> Cow<'a, str> {
+    fn line<'a>(&mut self, line: &'a str, kept: Kept) -> Cow<'a, str> {
         let (key, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match key {
-            "v" | "vn" => return self.numbers(key == "v", without_remark(line)),
+            "v" => return self.position(without_remark(line), kept.colours),
+            "vn" => return numbers(without_remark(line), 3),
+            "vt" if kept.coordinates => return texture_coordinates(without_remark(line)),
             "f" => return without_remark(line).into(),
             "fo" => return format!("f {}", without_remark(rest)).into(),
             "o" | "g" => return line.into(),
@@ -135,36 +160,52 @@ impl Reduced {
             "curv" | "curv2" | "surf" => self.has_curves = true,
             _ if key.contains(|c: char| c.is_ascii_uppercase()) => {
                 let lower = format!("{} {rest}", key.to_ascii_lowercase());
-                return self.line(lower.trim_end()).into_owned().into();
+                return self.line(lower.trim_end(), kept).into_owned().into();
             }
             _ => {}
         }
         "".into()
     }
 
-    /// A vertex or a normal, without a colour, as numbers that the parser knows.
-    fn numbers<'a>(&mut self, is_position: bool, line: &'a str) -> Cow<'a, str> {
-        let coloured = is_position && line.split_whitespace().count() > 6;
+    /// A vertex, with its colour if `colours` are wanted and it has one, as numbers that the parser knows.
+    fn position<'a>(&mut self, line: &'a str, colours: bool) -> Cow<'a, str> {
+        let coloured = line.split_whitespace().count() > 6;
         self.has_colours |= coloured;
-        // `-nan(ind)`, `1.#QNAN`
-        let odd = line.contains(['(', '#']);
-        if !coloured && !odd {
-            return line.into();
-        }
-        let plain = |word| if odd && str::contains(word, ['(', '#']) { "nan" } else { word };
-        line.split_whitespace().take(4).map(plain).collect::<Vec<_>>().join(" ").into()
+        self.has_plain |= !coloured;
+        numbers(line, if coloured && colours { 6 } else { 3 })
     }
 
     /// Parts of the file that were left out and would have been seen.
     pub fn warnings(&self) -> Vec<String> {
         let features = [
-            (self.has_lines, "points and lines"),
-            (self.has_colours, "vertex colours"),
-            (self.has_curves, "curves and free-form surfaces"),
+            (self.has_lines, "points and lines are not supported and left out"),
+            (
+                self.has_colours && self.has_plain,
+                "some vertices have colours and some have none; all colours are left out",
+            ),
+            (self.has_curves, "curves and free-form surfaces are not supported and left out"),
         ];
-        let sentence = |f: &(bool, &str)| format!("{} are not supported and left out", f.1);
-        features.iter().filter(|f| f.0).map(sentence).collect()
+        features.iter().filter(|f| f.0).map(|f| f.1.to_owned()).collect()
     }
+}
+
+/// A statement of at most so many numbers, as the parser knows them.
+fn numbers(line: &str, most: usize) -> Cow<'_, str> {
+    // `-nan(ind)`, `1.#QNAN`
+    let odd = line.contains(['(', '#']);
+    if !odd && line.split_whitespace().count() <= most + 1 {
+        return line.into();
+    }
+    let plain = |word| if odd && str::contains(word, ['(', '#']) { "nan" } else { word };
+    line.split_whitespace().take(most + 1).map(plain).collect::<Vec<_>>().join(" ").into()
+}
+
+/// Two numbers: what is missing or no number is 0.
+fn texture_coordinates(line: &str) -> Cow<'_, str> {
+    let mut words = line.split_whitespace().skip(1).map(str::parse::<f32>);
+    let mut next = || words.next().and_then(Result::ok).unwrap_or(0.0);
+    let (u, v) = (next(), next());
+    format!("vt {u} {v}").into()
 }
 
 /// Runs a parser; its error, or its panic, names the line that it read last.

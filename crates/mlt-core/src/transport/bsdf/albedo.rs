@@ -83,6 +83,14 @@ pub struct Lacking {
     pub grazing: f32,
 }
 
+impl Lacking {
+    /// Linear interpolation.
+    #[inline]
+    pub fn towards(self, end: Self, t: f32) -> Self {
+        Self { white: lerp(self.white, end.white, t), grazing: lerp(self.grazing, end.grazing, t) }
+    }
+}
+
 /// Directional albedo of microfacets that reflect, from tables.
 #[derive(Clone, Copy, Debug)]
 pub struct Albedo {
@@ -127,7 +135,7 @@ impl Albedo {
 }
 
 /// m(μ) of microfacets that do more than reflect, at one α, over x of √α: fine enough at the critical angle, too.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Curve {
     roughness: f32,
     /// √m.
@@ -141,6 +149,11 @@ impl Curve {
         let cos = |i| cosine(roughness, i as f32 / (COLUMNS - 1) as f32).max(2.0 * microfacet::GRAZING);
         let node = |i| (1.0 - albedo(cos(i))).max(0.0).sqrt();
         Self { roughness, nodes: std::array::from_fn(node) }
+    }
+
+    /// The curve of these microfacets between two others of the same interface: √m is interpolated at each x.
+    pub fn between(ggx: Ggx, [a, b]: [&Self; 2], t: f32) -> Self {
+        Self { roughness: ggx.alpha.sqrt(), nodes: std::array::from_fn(|i| lerp(a.nodes[i], b.nodes[i], t)) }
     }
 
     /// m(μ).

@@ -1,10 +1,10 @@
 //! Rough metal, and the coat of a glossy surface.
 
 use super::Evaluation;
-use super::albedo::{Albedo, Lacking};
+use super::albedo::Lacking;
+use super::facets::Facets;
 use super::fresnel::{schlick, schlick_average};
 use super::microfacet::{GRAZING, Ggx};
-use super::spread::Spread;
 use crate::transport::colour::Rgb;
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
@@ -15,16 +15,14 @@ use std::f32::consts::FRAC_1_PI;
 /// F̄ and Ē = 1 - m̄ means over the hemisphere. White (F = 1) absorbs nothing. Derivation: docs/theory-surfaces.md.
 ///
 /// Source: Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Conductor {
     /// F₀ ∈ [0, 1], reflectance at normal incidence.
     pub f0: Rgb,
     /// F₉₀ ∈ [0, 1], reflectance at grazing angles.
     pub f90: f32,
     /// Microfacets.
-    pub ggx: Ggx,
-    table: Albedo,
-    spread: Spread,
+    pub facets: Facets,
     /// The greatest channel of F̄.
     average: f32,
     /// F_m.
@@ -44,15 +42,17 @@ pub(super) struct Met {
 impl Conductor {
     /// Microfacets that reflect F₀ at normal incidence and F₉₀ at grazing angles.
     pub fn new(f0: Rgb, f90: f32, ggx: Ggx) -> Self {
-        let table = Albedo::new(ggx);
-        let lacking = table.average().white;
+        Self::of(f0, f90, Facets::new(ggx))
+    }
+
+    /// The same of microfacets that are known already.
+    pub fn of(f0: Rgb, f90: f32, facets: Facets) -> Self {
+        let lacking = facets.mean.white;
         let f = schlick_average(f0, f90);
         Self {
             f0,
             f90,
-            ggx,
-            table,
-            spread: Spread::new(ggx),
+            facets,
             average: f.max_element(),
             multiple: f * f * (1.0 - lacking) / (Rgb::ONE - f * lacking),
             scale: FRAC_1_PI / lacking,
@@ -69,12 +69,12 @@ impl Conductor {
     /// [`Self::albedo`] at a direction of this cosine.
     #[inline]
     pub(super) fn albedo_at(&self, cos: f32) -> Rgb {
-        self.albedo(self.table.at(cos))
+        self.albedo(self.facets.table.at(cos))
     }
 
     /// Mean over the hemisphere of [`Self::albedo_at`], weighted by cosθ.
     pub(super) fn mean_albedo(&self) -> Rgb {
-        self.albedo(self.table.average())
+        self.albedo(self.facets.mean)
     }
 
     /// Light reflected once and again, if F were F̄ everywhere, over F̄: sampled in this proportion.
@@ -86,13 +86,13 @@ impl Conductor {
     /// `None`: not on one side.
     #[inline]
     pub(super) fn meet(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Option<Met> {
-        let single = self.ggx.reflection(n, to_light, to_eye)?;
+        let single = self.facets.ggx.reflection(n, to_light, to_eye)?;
         let cos = [n.dot(to_light).abs(), n.dot(to_eye).abs()];
-        let lacking = cos.map(|cos| self.table.at(cos));
+        let lacking = cos.map(|cos| self.facets.table.at(cos));
         let multiple = self.scale * lacking[0].white * lacking[1].white;
         let pdf = |given: usize, sampled: usize| {
             let [once, again] = self.shares(lacking[given].white);
-            (once * single.pdf[sampled] + again * self.spread.pdf(cos[sampled])) / (once + again)
+            (once * single.pdf[sampled] + again * self.facets.spread.pdf(cos[sampled])) / (once + again)
         };
         let evaluation = Evaluation {
             value: schlick(self.f0, self.f90, single.cos_half) * single.value + self.multiple * multiple,
@@ -112,11 +112,11 @@ impl Conductor {
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let cos = n.dot(given);
-        let [once, again] = self.shares(self.table.at(cos.abs()).white);
+        let [once, again] = self.shares(self.facets.table.at(cos.abs()).white);
         if cos.abs() > GRAZING && u[2] * (once + again) < again {
-            Some(self.spread.sample(n * 1f32.copysign(cos), [u[0], u[1]]))
+            Some(self.facets.spread.sample(n * 1f32.copysign(cos), [u[0], u[1]]))
         } else {
-            self.ggx.sample_reflection(n, given, [u[0], u[1]])
+            self.facets.ggx.sample_reflection(n, given, [u[0], u[1]])
         }
     }
 }

@@ -7,7 +7,7 @@ use glam::Vec3A;
 /// Reflects F and refracts 1 - F, with the exact Fresnel term; delta.
 ///
 /// The medium is on the back of n, vacuum on its front. Left out: absorption and dispersion inside the medium.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Dielectric {
     /// Index of refraction of the medium over that of its surroundings, > 0.
     pub ior: f32,

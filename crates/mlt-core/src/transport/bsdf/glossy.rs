@@ -11,7 +11,7 @@ use std::f32::consts::FRAC_1_PI;
 ///
 /// Source: Kelemen & Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling",
 /// Eurographics 2001. Left out: light that the coat sends back to the base takes the base's colour no more than once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Glossy {
     /// The base's ρ.
     pub base: Lambert,

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3A};
 use std::f32::consts::FRAC_1_PI;
 
 /// f_s = ρ/π on either side of the surface.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Lambert {
     /// ρ ∈ [0, 1], reflected share of energy.
     pub reflectance: Rgb,

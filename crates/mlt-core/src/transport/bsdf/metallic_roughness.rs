@@ -1,7 +1,10 @@
 //! glTF's metallic-roughness parameters, and the simplest BSDF for them.
 
 use super::microfacet::Ggx;
-use super::{Bsdf, Conductor, Dielectric, Glossy, Lambert, Mirror, Mix, RoughDielectric, RoughThin, Thin};
+use super::rough_dielectric::RoughGlass;
+use super::{
+    Bsdf, Conductor, Dielectric, Facets, Glossy, Lambert, Lobe, Mirror, Mix, RoughDielectric, RoughThin, Thin,
+};
 use crate::transport::colour::Rgb;
 
 /// α below this is perfectly smooth: rounding of directions in f32, 10⁻⁷, no longer resolves the lobe.
@@ -11,7 +14,7 @@ pub const SMOOTH_ALPHA: f32 = 1e-6;
 pub const MIXED_ALPHA: f32 = 1e-4;
 
 /// An interface with |ior - 1| up to this does not bend light.
-const INDEX_MATCHED: f32 = 1e-3;
+pub(super) const INDEX_MATCHED: f32 = 1e-3;
 
 /// Constant factors of a glTF 2.0 material with KHR_materials_ior, _specular, _transmission and _volume.
 ///
@@ -86,12 +89,38 @@ impl MetallicRoughness {
     /// The simplest BSDF for these factors:
     /// mix(mix(coated base, transmitter, transmission), metal, metallic), without the terms of weight 0.
     pub fn bsdf(&self) -> Bsdf {
-        let m = self.valid();
-        let alpha = m.roughness * m.roughness;
-        let alpha_of_lobe = if m.is_single_lobe() { alpha } else { alpha.max(MIXED_ALPHA) };
+        self.valid().convert(&Computed, false)
+    }
+
+    /// The same; `rough`: no lobe is perfectly smooth.
+    fn convert(&self, made: &impl Microsurfaces, rough: bool) -> Bsdf {
+        let alpha = self.roughness * self.roughness;
+        let alpha_of_lobe = if !rough && self.is_single_lobe() { alpha } else { alpha.max(MIXED_ALPHA) };
         let ggx = (alpha_of_lobe >= SMOOTH_ALPHA).then_some(Ggx { alpha: alpha_of_lobe });
-        let transmitting = || mix(|| m.opaque(alpha), || m.transmitter(ggx), m.transmission);
-        mix(transmitting, || m.metal(ggx), m.metallic)
+        let (metal, clear) = (self.metallic, (1.0 - self.metallic) * self.transmission);
+        let opaque = || self.opaque(made, alpha);
+        match ggx {
+            _ if metal == 0.0 && clear == 0.0 => opaque().map_or(Bsdf::Black, Bsdf::from),
+            None if metal == 1.0 => Bsdf::Mirror(Mirror { f0: self.base_color }),
+            None => self.smooth_transmitter(),
+            Some(ggx) if metal == 1.0 => self.metal(made, ggx).into(),
+            Some(ggx) if clear == 1.0 => match self.rough_transmitter(made, ggx) {
+                None if !rough => self.smooth_transmitter(),
+                lobe => lobe.unwrap_or_else(|| self.index_matched(made)).into(),
+            },
+            Some(ggx) => {
+                let transmitter = || self.rough_transmitter(made, ggx).unwrap_or_else(|| self.index_matched(made));
+                let rest = (1.0 - metal) * (1.0 - self.transmission);
+                let part =
+                    |weight: f32, lobe: &dyn Fn() -> Option<Lobe>| (weight, if weight > 0.0 { lobe() } else { None });
+                let lobes = [
+                    part(rest, &opaque),
+                    part(clear, &|| Some(transmitter())),
+                    part(metal, &|| Some(self.metal(made, ggx))),
+                ];
+                Bsdf::Mix(Mix { lobes })
+            }
+        }
     }
 
     /// Nothing but metal, or nothing but a transmitter: may be delta.
@@ -99,42 +128,116 @@ impl MetallicRoughness {
         self.metallic == 1.0 || (self.metallic == 0.0 && self.transmission == 1.0)
     }
 
-    fn metal(&self, ggx: Option<Ggx>) -> Bsdf {
-        let f0 = self.base_color;
-        ggx.map_or(Bsdf::Mirror(Mirror { f0 }), |ggx| Bsdf::Conductor(Conductor::new(f0, 1.0, ggx)))
+    fn metal(&self, made: &impl Microsurfaces, ggx: Ggx) -> Lobe {
+        Lobe::Conductor(Conductor::of(self.base_color, 1.0, made.facets(ggx)))
     }
 
-    fn opaque(&self, alpha: f32) -> Bsdf {
+    /// `None`: it is black.
+    fn opaque(&self, made: &impl Microsurfaces, alpha: f32) -> Option<Lobe> {
         let base = Lambert { reflectance: self.base_color };
         if self.specular == 0.0 {
-            return if base.reflectance == Rgb::ZERO { Bsdf::Black } else { Bsdf::Lambert(base) };
+            return (base.reflectance != Rgb::ZERO).then_some(Lobe::Lambert(base));
         }
         let r = (self.ior - 1.0) / (self.ior + 1.0);
         let f0 = (r * r * self.specular_color).min(Rgb::ONE) * self.specular;
-        let coat = Conductor::new(f0, self.specular, Ggx { alpha: alpha.max(MIXED_ALPHA) });
-        Bsdf::Glossy(Glossy::new(base, coat))
+        let coat = Conductor::of(f0, self.specular, made.facets(Ggx { alpha: alpha.max(MIXED_ALPHA) }));
+        Some(Lobe::Glossy(Glossy::new(base, coat)))
     }
 
-    fn transmitter(&self, ggx: Option<Ggx>) -> Bsdf {
-        let (ior, tint) = (self.ior, self.base_color);
-        match ggx {
-            Some(ggx) if self.thin => Bsdf::RoughThin(RoughThin::new(ior, tint, ggx)),
-            Some(ggx) if (ior - 1.0).abs() > INDEX_MATCHED => {
-                Bsdf::RoughDielectric(RoughDielectric::new(ior, tint, ggx))
-            }
-            Some(_) if !self.is_single_lobe() => Bsdf::RoughThin(RoughThin::new(ior, tint, Ggx { alpha: MIXED_ALPHA })),
-            None if self.thin => Bsdf::Thin(Thin { ior, tint }),
-            _ => Bsdf::Dielectric(Dielectric { ior, tint }),
+    /// `None`: it does not bend light.
+    fn rough_transmitter(&self, made: &impl Microsurfaces, ggx: Ggx) -> Option<Lobe> {
+        if self.thin {
+            Some(Lobe::RoughThin(made.wall(self.ior, self.base_color, ggx)))
+        } else {
+            self.bends().then(|| Lobe::RoughDielectric(made.glass(self.ior, self.base_color, ggx)))
         }
+    }
+
+    fn smooth_transmitter(&self) -> Bsdf {
+        let (ior, tint) = (self.ior, self.base_color);
+        if self.thin { Bsdf::Thin(Thin { ior, tint }) } else { Bsdf::Dielectric(Dielectric { ior, tint }) }
+    }
+
+    /// What does not bend light, where nothing may be delta.
+    fn index_matched(&self, made: &impl Microsurfaces) -> Lobe {
+        Lobe::RoughThin(made.wall(self.ior, self.base_color, Ggx { alpha: MIXED_ALPHA }))
+    }
+
+    /// Whether a solid of it bends light.
+    fn bends(&self) -> bool {
+        (self.ior - 1.0).abs() > INDEX_MATCHED
     }
 }
 
-/// (1 - weight)·a + weight·b, or the one that is left.
-fn mix(a: impl FnOnce() -> Bsdf, b: impl FnOnce() -> Bsdf, weight: f32) -> Bsdf {
-    match weight {
-        0.0 => a(),
-        1.0 => b(),
-        _ => Bsdf::Mix(Box::new(Mix { a: a(), b: b(), weight })),
+/// Where a conversion has from what depends on roughness and index of refraction alone.
+trait Microsurfaces {
+    fn facets(&self, ggx: Ggx) -> Facets;
+    fn wall(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughThin;
+    fn glass(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughDielectric;
+}
+
+/// Found for one material.
+struct Computed;
+
+impl Microsurfaces for Computed {
+    fn facets(&self, ggx: Ggx) -> Facets {
+        Facets::new(ggx)
+    }
+
+    fn wall(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughThin {
+        RoughThin::new(ior, tint, ggx)
+    }
+
+    fn glass(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughDielectric {
+        RoughDielectric::new(ior, tint, ggx)
+    }
+}
+
+/// Conversion of factors that vary over a surface, without allocation and without quadrature.
+///
+/// Index of refraction and thinness are the same everywhere.
+#[derive(Clone, Debug)]
+pub struct Varying {
+    /// No lobe is perfectly smooth.
+    rough: bool,
+    /// [`RoughThin::mean_reflectance`].
+    reflected: f32,
+    glass: Option<RoughGlass>,
+}
+
+impl Varying {
+    /// For a surface whose factors are at most these; `lobes`: metalness or transmission vary; `roughness`: roughness does.
+    pub fn new(most: &MetallicRoughness, lobes: bool, roughness: bool) -> Self {
+        let m = most.valid();
+        let rough = lobes || roughness;
+        let least = if rough || !m.is_single_lobe() { MIXED_ALPHA } else { SMOOTH_ALPHA }.sqrt();
+        let most = m.roughness.max(least);
+        let is_rough = rough || !m.is_single_lobe() || m.roughness * m.roughness >= SMOOTH_ALPHA;
+        let has_glass = m.transmission > 0.0 && !m.thin && m.bends() && is_rough;
+        Self {
+            rough,
+            reflected: RoughThin::mean_reflectance(m.ior),
+            glass: has_glass.then(|| RoughGlass::new(m.ior, [if roughness { least } else { most }, most])),
+        }
+    }
+
+    /// The simplest BSDF for the factors at one point.
+    pub fn bsdf(&self, factors: &MetallicRoughness) -> Bsdf {
+        factors.valid().convert(self, self.rough)
+    }
+}
+
+impl Microsurfaces for Varying {
+    fn facets(&self, ggx: Ggx) -> Facets {
+        Facets::tabulated(ggx)
+    }
+
+    fn wall(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughThin {
+        RoughThin::of(ior, tint, Facets::tabulated(ggx), self.reflected)
+    }
+
+    fn glass(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughDielectric {
+        self.glass.as_ref().map_or_else(|| RoughDielectric::new(ior, tint, ggx), |glass| glass.at(tint, ggx))
     }
 }
 
@@ -170,16 +273,11 @@ mod tests {
         assert!((g.coat.f0 - Rgb::new(0.02, 0.01, 0.5)).length() < 1e-6 && g.coat.f90 == 0.5);
     }
 
-    /// No mixture holds a delta lobe, whatever the factors, and none is NaN.
+    /// No number of a BSDF is NaN.
     #[test]
     fn mixtures_are_finite_whatever_the_file_says() {
-        fn check(b: &Bsdf, inside_mixture: bool) {
-            assert!(!(inside_mixture && b.is_delta()), "{b:?}");
+        fn check(b: &Bsdf) {
             assert!(!format!("{b:?}").contains("NaN"));
-            if let Bsdf::Mix(m) = b {
-                check(&m.a, true);
-                check(&m.b, true);
-            }
         }
         let odd = [0.0, 1e-9, 0.3, 1.0, -1.0, 7.0, f32::NAN, f32::INFINITY];
         // A part of them: rough glass takes a millisecond to make.
@@ -196,7 +294,7 @@ mod tests {
                 transmission: specular,
                 thin: i % 2 == 0,
             };
-            check(&m.bsdf(), false);
+            check(&m.bsdf());
         }
     }
 }

@@ -7,7 +7,7 @@ use glam::Vec3A;
 /// Reflects F = F₀ + (1 - F₀)(1 - cosθ)⁵ into the mirrored direction, on either side; delta.
 ///
 /// A smooth metal of glTF. Left out: the phase and the exact Fresnel term of a complex index.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Mirror {
     /// F₀ ∈ [0, 1], reflectance at normal incidence.
     pub f0: Rgb,

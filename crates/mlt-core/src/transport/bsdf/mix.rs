@@ -1,36 +1,118 @@
-//! Blend of two surfaces.
+//! Blend of lobes.
 
-use super::{Bsdf, Evaluation, choose};
-use glam::Vec3A;
+use super::{Bsdf, Conductor, Evaluation, Glossy, Lambert, RoughDielectric, RoughThin, choose};
+use glam::{Vec2, Vec3A};
 
-/// f_s = (1 - w) f_a + w f_b, neither of them delta.
-#[derive(Clone, Debug)]
-pub struct Mix {
-    /// Has the share 1 - w.
-    pub a: Bsdf,
-    /// Has the share w.
-    pub b: Bsdf,
-    /// w ∈ (0, 1).
-    pub weight: f32,
+/// A part of a surface's scattering that is not delta.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a lobe is made anew at each vertex, without allocation")]
+pub enum Lobe {
+    /// Ideal diffuse reflection.
+    Lambert(Lambert),
+    /// Rough metal.
+    Conductor(Conductor),
+    /// Dielectric coat over a diffuse base.
+    Glossy(Glossy),
+    /// Rough interface to a medium on the back side.
+    RoughDielectric(RoughDielectric),
+    /// Rough thin transparent wall.
+    RoughThin(RoughThin),
 }
 
-impl Mix {
-    /// (1 - w) f_a + w f_b, and densities alike.
+impl Lobe {
     #[inline]
-    pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
-        let (a, b) = (self.a.evaluate(n, to_light, to_eye), self.b.evaluate(n, to_light, to_eye));
-        let pdf = |a: f32, b: f32| (1.0 - self.weight) * a + self.weight * b;
-        Evaluation {
-            value: (1.0 - self.weight) * a.value + self.weight * b.value,
-            pdf_to_eye: pdf(a.pdf_to_eye, b.pdf_to_eye),
-            pdf_to_light: pdf(a.pdf_to_light, b.pdf_to_light),
+    fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+        match self {
+            Self::Lambert(b) => b.evaluate(n, to_light, to_eye),
+            Self::Conductor(b) => b.evaluate(n, to_light, to_eye),
+            Self::Glossy(b) => b.evaluate(n, to_light, to_eye),
+            Self::RoughDielectric(b) => b.evaluate(n, to_light, to_eye),
+            Self::RoughThin(b) => b.evaluate(n, to_light, to_eye),
         }
     }
 
-    /// Samples b with probability w, else a.
+    #[inline]
+    fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
+        match self {
+            Self::Lambert(b) => Some(b.sample(n, given, Vec2::new(u[0], u[1]))),
+            Self::Conductor(b) => b.sample(n, given, u),
+            Self::Glossy(b) => b.sample(n, given, u),
+            Self::RoughDielectric(b) => b.sample(n, given, u),
+            Self::RoughThin(b) => b.sample(n, given, u),
+        }
+    }
+
+    /// Whether light passes through it.
+    pub fn is_transmissive(&self) -> bool {
+        matches!(self, Self::RoughDielectric(_) | Self::RoughThin(_))
+    }
+}
+
+impl From<Lobe> for Bsdf {
+    fn from(lobe: Lobe) -> Self {
+        match lobe {
+            Lobe::Lambert(b) => Self::Lambert(b),
+            Lobe::Conductor(b) => Self::Conductor(b),
+            Lobe::Glossy(b) => Self::Glossy(b),
+            Lobe::RoughDielectric(b) => Self::RoughDielectric(b),
+            Lobe::RoughThin(b) => Self::RoughThin(b),
+        }
+    }
+}
+
+/// f_s = Σ wᵢ fᵢ.
+#[derive(Clone, Copy, Debug)]
+pub struct Mix {
+    /// Weights, which sum to 1 or less, and lobes; what has no lobe is black.
+    pub lobes: [(f32, Option<Lobe>); 3],
+}
+
+impl Mix {
+    /// Σ wᵢ fᵢ, and densities alike.
+    #[inline]
+    pub fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+        let mut sum = Evaluation::NOTHING;
+        for (weight, lobe) in &self.lobes {
+            if let Some(lobe) = lobe {
+                let found = lobe.evaluate(n, to_light, to_eye);
+                sum.value += *weight * found.value;
+                sum.pdf_to_eye += weight * found.pdf_to_eye;
+                sum.pdf_to_light += weight * found.pdf_to_light;
+            }
+        }
+        sum
+    }
+
+    /// Samples lobe i with probability wᵢ; `None`: absorbed.
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
-        let (b, rest) = choose(u[2], self.weight);
-        (if b { &self.b } else { &self.a }).sample(n, given, [u[0], u[1], rest])
+        let (mut rest, mut left) = (u[2], 1.0);
+        for (weight, lobe) in &self.lobes {
+            let (taken, unused) = choose(rest, (weight / left).min(1.0));
+            if taken {
+                return lobe.as_ref()?.sample(n, given, [u[0], u[1], unused]);
+            }
+            (rest, left) = (unused, left - weight);
+        }
+        None
+    }
+
+    /// With solids in place of thin walls; `None`: there is no thin wall that bends light.
+    pub fn solid(&self) -> Option<Self> {
+        let mut solid = *self;
+        let mut found = false;
+        for (_, lobe) in &mut solid.lobes {
+            if let Some(Lobe::RoughThin(wall)) = lobe
+                && let Some(interface) = wall.solid()
+            {
+                (*lobe, found) = (Some(Lobe::RoughDielectric(interface)), true);
+            }
+        }
+        found.then_some(solid)
+    }
+
+    /// Whether light passes through it.
+    pub fn is_transmissive(&self) -> bool {
+        self.lobes.iter().filter_map(|(_, lobe)| lobe.as_ref()).any(Lobe::is_transmissive)
     }
 }

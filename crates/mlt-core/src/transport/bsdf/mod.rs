@@ -18,6 +18,7 @@ mod albedo;
 mod albedo_table;
 mod conductor;
 mod dielectric;
+mod facets;
 pub mod fresnel;
 mod glossy;
 mod lambert;
@@ -38,12 +39,13 @@ use glam::{Vec2, Vec3A};
 
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
+pub use facets::Facets;
 pub use glossy::Glossy;
 pub use lambert::Lambert;
-pub use metallic_roughness::{MIXED_ALPHA, MetallicRoughness, SMOOTH_ALPHA};
+pub use metallic_roughness::{MIXED_ALPHA, MetallicRoughness, SMOOTH_ALPHA, Varying};
 pub use mirror::Mirror;
-pub use mix::Mix;
-pub use rough_dielectric::RoughDielectric;
+pub use mix::{Lobe, Mix};
+pub use rough_dielectric::{RoughDielectric, RoughGlass};
 pub use rough_interface::RoughInterface;
 pub use rough_thin::RoughThin;
 pub use thin::{Thin, slab_reflectance};
@@ -73,7 +75,8 @@ fn choose(u: f32, p: f32) -> (bool, f32) {
 }
 
 /// One surface's scattering function.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "one is made at each vertex of a textured surface, without allocation")]
 pub enum Bsdf {
     /// Reflects nothing.
     Black,
@@ -93,8 +96,8 @@ pub enum Bsdf {
     RoughDielectric(RoughDielectric),
     /// Rough thin transparent wall.
     RoughThin(RoughThin),
-    /// Blend of two that are not delta.
-    Mix(Box<Mix>),
+    /// Blend of lobes that are not delta.
+    Mix(Mix),
 }
 
 impl Bsdf {
@@ -108,8 +111,21 @@ impl Bsdf {
     pub fn is_transmissive(&self) -> bool {
         match self {
             Self::Dielectric(_) | Self::Thin(_) | Self::RoughDielectric(_) | Self::RoughThin(_) => true,
-            Self::Mix(mix) => mix.a.is_transmissive() || mix.b.is_transmissive(),
+            Self::Mix(mix) => mix.is_transmissive(),
             _ => false,
+        }
+    }
+
+    /// The interface of a solid in place of a thin wall; `None`: there is no thin wall.
+    pub fn solid(&self) -> Option<Self> {
+        match self {
+            &Self::Thin(Thin { ior, tint }) => Some(Self::Dielectric(Dielectric { ior, tint })),
+            Self::RoughThin(wall) => Some(match wall.solid() {
+                Some(solid) => Self::RoughDielectric(solid),
+                None => Self::Dielectric(Dielectric { ior: wall.ior, tint: wall.tint }),
+            }),
+            Self::Mix(mix) => mix.solid().map(Self::Mix),
+            _ => None,
         }
     }
 

@@ -17,19 +17,19 @@ use std::f32::consts::FRAC_1_PI;
 /// side, and tint X/(π M M') for two sides. Untinted it absorbs nothing. Derivation: docs/theory-surfaces.md.
 ///
 /// Source: after Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct RoughDielectric {
     /// Light scattered once, f_once.
     pub once: RoughInterface,
     spread: Spread,
     /// Front, back.
-    sides: Box<[Side; 2]>,
+    sides: [Side; 2],
     /// X/(π M M'), sr⁻¹.
     transmission: f32,
 }
 
 /// Light scattered more than once, on one side.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Side {
     /// m.
     lacking: Curve,
@@ -39,22 +39,93 @@ struct Side {
     reflection: f32,
 }
 
+/// Light that meets an interface more than once.
+#[derive(Clone, Copy, Debug)]
+struct Multiple {
+    /// m on the front and on the back.
+    lacking: [Curve; 2],
+    /// M on the front and on the back.
+    flux: [f32; 2],
+}
+
+impl Multiple {
+    fn new(ior: f32, ggx: Ggx) -> Self {
+        let once = RoughInterface { ior, tint: Rgb::ONE, ggx };
+        let lacking = [1.0, -1.0].map(|side| Curve::new(ggx, |cos| once.albedo(side * at_cosine(cos))));
+        let flux = [lacking[0].average(), ior * ior * lacking[1].average()].map(|m| m.max(f32::MIN_POSITIVE));
+        Self { lacking, flux }
+    }
+
+    /// Of microfacets between those of two others.
+    fn between(ggx: Ggx, [a, b]: [&Self; 2], t: f32) -> Self {
+        let lacking = std::array::from_fn(|side| Curve::between(ggx, [&a.lacking[side], &b.lacking[side]], t));
+        Self { lacking, flux: std::array::from_fn(|side| a.flux[side] + t * (b.flux[side] - a.flux[side])) }
+    }
+}
+
+/// F̄ on the rarer side.
+fn mean_reflectance(ior: f32) -> f32 {
+    cosine_average(|cos| [dielectric(cos, ior.max(1.0 / ior))])[0]
+}
+
+/// Rough interfaces of one index and of any roughness up to 1, for roughness that varies over a surface.
+#[derive(Clone, Debug)]
+pub struct RoughGlass {
+    ior: f32,
+    /// F̄.
+    reflected: f32,
+    /// At equidistant roughnesses √α between `roughness`.
+    rows: Vec<Multiple>,
+    roughness: [f32; 2],
+}
+
+impl RoughGlass {
+    /// Steps of roughness from 0 to 1.
+    const STEPS: f32 = 32.0;
+
+    /// Of roughnesses √α between two, both above 0.
+    pub fn new(ior: f32, roughness: [f32; 2]) -> Self {
+        let [least, most] = roughness;
+        let last = (Self::STEPS * (most - least)).ceil();
+        let row = |i: usize| {
+            let roughness = least + (most - least) * (i as f32 / last.max(1.0));
+            Multiple::new(ior, Ggx { alpha: roughness * roughness })
+        };
+        Self { ior, reflected: mean_reflectance(ior), rows: (0..=last as usize).map(row).collect(), roughness }
+    }
+
+    /// The interface of this tint and these microfacets.
+    pub fn at(&self, tint: Rgb, ggx: Ggx) -> RoughDielectric {
+        let once = RoughInterface { ior: self.ior, tint, ggx };
+        let [least, most] = self.roughness;
+        let [.., last] = &self.rows[..] else { return RoughDielectric::new(self.ior, tint, ggx) };
+        if self.rows.len() == 1 {
+            return RoughDielectric::of(once, last, self.reflected);
+        }
+        let share = ((ggx.alpha.sqrt() - least) / (most - least)).clamp(0.0, 1.0);
+        let position = share * (self.rows.len() - 1) as f32;
+        let row = (position as usize).min(self.rows.len() - 2);
+        let multiple = Multiple::between(ggx, [&self.rows[row], &self.rows[row + 1]], position - row as f32);
+        RoughDielectric::of(once, &multiple, self.reflected)
+    }
+}
+
 impl RoughDielectric {
     /// An interface to a medium of this index.
     pub fn new(ior: f32, tint: Rgb, ggx: Ggx) -> Self {
-        let once = RoughInterface { ior, tint, ggx };
-        let lacking = [1.0, -1.0].map(|side| Curve::new(ggx, |cos| once.albedo(side * at_cosine(cos))));
-        let flux = [lacking[0].average(), ior * ior * lacking[1].average()].map(|m| m.max(f32::MIN_POSITIVE));
-        let reflected = cosine_average(|cos| [dielectric(cos, ior.max(1.0 / ior))])[0];
+        Self::of(RoughInterface { ior, tint, ggx }, &Multiple::new(ior, ggx), mean_reflectance(ior))
+    }
+
+    fn of(once: RoughInterface, multiple: &Multiple, reflected: f32) -> Self {
+        let Multiple { lacking: [front, back], flux } = *multiple;
         let exchanged = (1.0 - reflected) * flux[0].min(flux[1]);
-        let [front, back] = lacking;
         let side = |lacking, flux: f32| {
             let transmitted = exchanged / flux;
             Side { lacking, transmitted, reflection: (1.0 - transmitted) * FRAC_1_PI / flux }
         };
-        let sides = Box::new([side(front, flux[0]), side(back, flux[1])]);
+        let sides = [side(front, flux[0]), side(back, flux[1])];
         let transmission = (1.0 - reflected) * FRAC_1_PI / flux[0].max(flux[1]);
-        Self { once, spread: Spread::new(ggx), sides, transmission }
+        Self { once, spread: Spread::new(once.ggx), sides, transmission }
     }
 
     /// The side on which n·direction has this sign.

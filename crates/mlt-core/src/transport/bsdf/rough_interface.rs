@@ -16,7 +16,7 @@ use glam::Vec3A;
 ///
 /// Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007, eqs. 20 and 21. Left out:
 /// heights correlated across the surface.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct RoughInterface {
     /// Index of refraction of the medium over that of its surroundings, > 0; |ior - 1| > 10⁻³.
     pub ior: f32,

@@ -154,6 +154,15 @@ mod rough {
         Bsdf::Glossy(Glossy::new(base, Conductor::new(Rgb::splat(0.04 * f90), f90, Ggx { alpha })))
     }
 
+    /// A coat, a pane, metal, and a little of nothing.
+    fn mix(alpha: f32) -> Bsdf {
+        let Bsdf::Glossy(coat) = coat(alpha, 0.5) else { unreachable!() };
+        let pane = Lobe::RoughThin(RoughThin::new(1.5, TINT, Ggx { alpha }));
+        let metal = Lobe::Conductor(Conductor::new(TINT, 1.0, Ggx { alpha }));
+        let lobes = [(0.4, Some(Lobe::Glossy(coat))), (0.3, Some(pane)), (0.2, Some(metal))];
+        Bsdf::Mix(Mix { lobes })
+    }
+
     /// Every kind that is not delta, with the index on the back side.
     fn all(alpha: f32) -> Vec<(Bsdf, f32)> {
         let ggx = Ggx { alpha };
@@ -165,7 +174,7 @@ mod rough {
             (glass(1.5), 1.5),
             (glass(0.7), 0.7),
             (pane(), 1.0),
-            (Bsdf::Mix(Box::new(Mix { a: coat(alpha, 0.5), b: pane(), weight: 0.6 })), 1.0),
+            (mix(alpha), 1.0),
         ]
     }
 
@@ -174,9 +183,7 @@ mod rough {
         let lambert = (Bsdf::Lambert(Lambert { reflectance: TINT }), 1.0);
         let bsdfs = alphas.iter().flat_map(|a| all(*a)).chain([lambert]);
         bsdfs
-            .flat_map(|(b, ior)| {
-                [1.0, 0.7, 0.3, 0.05, -0.05, -0.5, -0.9].map(|cos| (b.clone(), ior, direction(normal(), cos)))
-            })
+            .flat_map(|(b, ior)| [1.0, 0.7, 0.3, 0.05, -0.05, -0.5, -0.9].map(|cos| (b, ior, direction(normal(), cos))))
             .collect()
     }
 
@@ -405,7 +412,7 @@ mod rough {
             for material in &materials {
                 let b = MetallicRoughness { roughness, ..material.clone() }.bsdf();
                 for cos in [0.02, 0.2, 1.0, -0.02, -0.7] {
-                    check(b.clone(), direction(normal(), cos), roughness);
+                    check(b, direction(normal(), cos), roughness);
                 }
             }
         }
@@ -429,7 +436,9 @@ mod rough {
         let (mut least, mut greatest) = (1.0f64, 1.0f64);
         white(&[0.0, 1.0], |b, given, roughness| {
             let eval = |d: Vec3A| match &b {
-                Bsdf::Conductor(metal) => Rgb::splat(metal.ggx.reflection(n, given, d).map_or(0.0, |met| met.value)),
+                Bsdf::Conductor(metal) => {
+                    Rgb::splat(metal.facets.ggx.reflection(n, given, d).map_or(0.0, |met| met.value))
+                }
                 Bsdf::RoughDielectric(glass) => glass.once.evaluate(n, given, d).value,
                 Bsdf::Glossy(plastic) => plastic.coat.evaluate(n, given, d).value + plastic.base.eval(n, given, d),
                 other => other.eval(n, given, d),

@@ -16,7 +16,7 @@ pub fn slab_reflectance(cos: f32, ior: f32) -> f32 {
 /// Reflects R' and passes (1 - R')·tint straight on; the same from both sides, η = 1 on both; delta.
 ///
 /// Left out: the tint of light that is reflected inside the wall.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Thin {
     /// Index of refraction of the wall over that of its surroundings, ≥ 1.
     pub ior: f32,

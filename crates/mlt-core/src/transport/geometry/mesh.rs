@@ -1,6 +1,6 @@
 //! Indexed triangle meshes in world space.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// Triangles that share one material; transforms are already applied.
 #[derive(Clone, Debug, Default)]
@@ -11,6 +11,13 @@ pub struct Mesh {
     pub positions: Vec<DVec3>,
     /// Unit shading normals, one a position; empty: the triangles' own normals.
     pub normals: Vec<Vec3>,
+    /// Texture coordinates of two sets, one a position; empty: (0, 0) everywhere.
+    pub uv: [Vec<Vec2>; 2],
+    /// Linear RGBA, one a position, a factor on base colour and opacity; empty: white.
+    pub colours: Vec<Vec4>,
+    /// Tangents for normal maps, one a position: direction in which u grows, and the sign of the bitangent; empty: those of the
+    /// triangles.
+    pub tangents: Vec<Vec4>,
     /// Counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Index into the scene's materials.

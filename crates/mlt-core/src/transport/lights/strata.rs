@@ -202,7 +202,6 @@ fn grid_cells(light: u32, [nu, nv]: [u32; 2]) -> impl Iterator<Item = Cell> {
 mod tests {
     use super::*;
     use crate::engine::{Purpose, generator, uniform};
-    use crate::transport::bsdf::Bsdf;
     use crate::transport::colour::Rgb;
     use crate::transport::geometry::Mesh;
     use crate::transport::scene::Material;
@@ -222,21 +221,15 @@ mod tests {
                 positions.iter_mut().for_each(|p| *p += 0.01 * point());
                 indices = (0..triangles).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
             }
-            Mesh { name: String::new(), positions, normals: Vec::new(), triangles: indices, material: i as u32 }
+            Mesh { positions, triangles: indices, material: i as u32, ..Mesh::default() }
         };
         let meshes: Vec<_> = (0..emissions.len()).map(&mut mesh).collect();
-        let material = |&e: &f32| Material {
-            name: String::new(),
-            bsdf: Bsdf::Black,
-            emission: Rgb::splat(e),
-            emits_both_sides: false,
-            opacity: 1.0,
-        };
+        let material = |&e: &f32| Material { emission: Rgb::splat(e), ..Material::default() };
         let materials: Vec<_> = emissions.iter().map(material).collect();
         let corner = |m: &Mesh, t: &[u32; 3]| t.map(|i| m.positions[i as usize].as_vec3());
         let primitives: Vec<[Vec3; 3]> =
             meshes.iter().flat_map(|m| m.triangles.iter().map(|t| corner(m, t)).collect::<Vec<_>>()).collect();
-        Lights::new(&meshes, &materials, &primitives)
+        Lights::new(&meshes, &materials, &[], &primitives)
     }
 
     /// Every point lies in the region that its index names and in no other, and powers add up.

@@ -106,7 +106,8 @@ pub(super) fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<(
     let [x, to_eye, ..] = vertices else { return None };
     let found = emission(view, &x.vertex, x.to_eye)?;
     x.scatter = found.value;
-    x.forward = view.scene.lights().of(x.vertex.primitive)?.exitance(found.value);
+    let light = view.scene.lights().of(x.vertex.primitive)?;
+    x.forward = light.mean_exitance() * view.scene.relative_exitance(light, &x.vertex, found.value);
     to_eye.forward = x.per_area_there(found.pdf_to_eye);
     Some(())
 }

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::description::SceneDescription;
+use super::textures::Map;
 use crate::transport::geometry::Mesh;
 
 /// Fault that makes a scene unusable.
@@ -19,7 +20,7 @@ pub enum UnusableScene {
     BadIndex {
         /// Name of the mesh.
         mesh: String,
-        /// "vertex" or "material".
+        /// "vertex", "material" or "texture".
         what: &'static str,
         /// The index.
         index: usize,
@@ -39,6 +40,11 @@ pub(super) fn check(description: &SceneDescription) -> Result<(), UnusableScene>
         let bad = |what, index: u32| UnusableScene::BadIndex { mesh: mesh.name.clone(), what, index: index as usize };
         if mesh.material as usize >= description.materials.len() {
             return Err(bad("material", mesh.material));
+        }
+        let missing = |map: &Map| map.texture as usize >= description.textures.len();
+        let textured = &description.materials[mesh.material as usize].textured;
+        if let Some(map) = textured.iter().find_map(|textured| textured.maps.all().find(missing)) {
+            return Err(bad("texture", map.texture));
         }
         if let Some(&i) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= mesh.positions.len()) {
             return Err(bad("vertex", i));

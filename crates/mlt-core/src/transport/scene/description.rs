@@ -3,6 +3,7 @@
 use super::camera::CameraPose;
 use super::light::Environment;
 use super::material::Material;
+use super::textures::Texture;
 use crate::transport::geometry::Mesh;
 
 /// A scene as its file says it: nothing derived yet.
@@ -12,6 +13,8 @@ pub struct SceneDescription {
     pub meshes: Vec<Mesh>,
     /// Referred to by the meshes.
     pub materials: Vec<Material>,
+    /// Referred to by the materials.
+    pub textures: Vec<Texture>,
     /// The first one is the default; empty: the caller has to choose one.
     pub cameras: Vec<CameraPose>,
     /// Light that comes from all around.

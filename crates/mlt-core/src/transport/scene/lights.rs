@@ -2,6 +2,7 @@
 
 use super::light::{Environment, Light, LightPoint, Surroundings};
 use super::material::Material;
+use super::textures::{Attributes, Texture};
 use crate::transport::geometry::{LIGHT, Mesh, Sphere, hilbert};
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
@@ -22,14 +23,19 @@ pub struct Lights {
 
 impl Lights {
     /// Finds the lights among `meshes`. `primitives` holds, mesh by mesh, the triangles as the scene keeps them.
-    pub(crate) fn new(meshes: &[Mesh], materials: &[Material], primitives: &[[Vec3; 3]]) -> Self {
+    pub(crate) fn new(meshes: &[Mesh], materials: &[Material], textures: &[Texture], primitives: &[[Vec3; 3]]) -> Self {
         let mut lights =
             Self { lights: Vec::new(), of_primitive: vec![(NONE, 0); primitives.len()], environment: None };
         let mut first = 0;
         for mesh in meshes {
             let material = &materials[mesh.material as usize];
             if material.emission.max_element() > 0.0 {
-                lights.add_mesh(mesh, first, primitives, material);
+                let part = EmittingMesh { mesh, material, first, primitives };
+                if material.shines_unevenly() {
+                    lights.add_uneven(part, textures);
+                } else {
+                    lights.add_even(part);
+                }
             }
             first += mesh.triangles.len();
         }
@@ -80,7 +86,8 @@ impl Lights {
         self.lights.iter().map(Light::power).sum()
     }
 
-    fn add_mesh(&mut self, mesh: &Mesh, first: usize, primitives: &[[Vec3; 3]], material: &Material) {
+    fn add_even(&mut self, part: EmittingMesh) {
+        let EmittingMesh { mesh, material, first, primitives } = part;
         let mut rest = Vec::new();
         for component in components(mesh) {
             let [a, b] = component[..] else {
@@ -95,25 +102,28 @@ impl Lights {
                 None => rest.extend([a, b]),
             }
         }
-        let area = |i: &usize| {
-            let [a, b, c] = primitives[first + i];
-            (b - a).cross(c - a).length() > 0.0
-        };
-        rest.retain(area);
-        rest.sort_unstable();
-        let centres: Vec<_> = rest.iter().map(|i| primitives[first + i].iter().sum::<Vec3>() / 3.0).collect();
-        // Any interval of the light's u is then a compact patch.
-        let list: Vec<_> = hilbert::order(&centres).into_iter().map(|i| first + rest[i as usize]).collect();
+        let list = part.compact(rest);
         if let Some(light) = Light::triangles(list.iter().map(|&p| (p as u32, primitives[p]))) {
             self.push(light, material, &list);
         }
     }
 
-    fn push(&mut self, light: Light, material: &Material, primitives: &[usize]) {
-        let id = self.lights.len() as u32;
-        for (index, &p) in (0..).zip(primitives) {
-            self.of_primitive[p] = (id, index);
+    fn add_uneven(&mut self, part: EmittingMesh, textures: &[Texture]) {
+        let EmittingMesh { mesh, material, first, primitives } = part;
+        let list = part.compact((0..mesh.triangles.len()).collect());
+        let glow = |i: usize, weights: [f32; 2]| {
+            let place = Attributes::on(mesh, mesh.triangles[list[i] - first], weights);
+            material.emission_at(textures, &place) * material.opacity_at(textures, &place)
+        };
+        let triangles = list.iter().map(|&p| (p as u32, primitives[p])).collect();
+        if let Some(light) = Light::uneven(triangles, material.emission, glow) {
+            self.add_numbers(&list);
+            self.lights.push(Light { both_sides: material.emits_both_sides, ..light });
         }
+    }
+
+    fn push(&mut self, light: Light, material: &Material, primitives: &[usize]) {
+        self.add_numbers(primitives);
         let measure = light.measure * f64::from(material.opacity);
         self.lights.push(Light {
             emission: material.emission,
@@ -121,6 +131,36 @@ impl Lights {
             measure,
             ..light
         });
+    }
+
+    /// Gives the next light these triangles.
+    fn add_numbers(&mut self, primitives: &[usize]) {
+        let id = self.lights.len() as u32;
+        for (index, &p) in (0..).zip(primitives) {
+            self.of_primitive[p] = (id, index);
+        }
+    }
+}
+
+/// A mesh that emits, and its triangles among all of the scene, of which `first` is its first one.
+struct EmittingMesh<'a> {
+    mesh: &'a Mesh,
+    material: &'a Material,
+    first: usize,
+    primitives: &'a [[Vec3; 3]],
+}
+
+impl EmittingMesh<'_> {
+    /// Numbers in the scene of some of its triangles, those that have an area, in an order in which any interval is a compact patch.
+    fn compact(&self, mut triangles: Vec<usize>) -> Vec<usize> {
+        let corners = |i: &usize| self.primitives[self.first + i];
+        triangles.retain(|i| {
+            let [a, b, c] = corners(i);
+            (b - a).cross(c - a).length() > 0.0
+        });
+        triangles.sort_unstable();
+        let centres: Vec<_> = triangles.iter().map(|i| corners(i).iter().sum::<Vec3>() / 3.0).collect();
+        hilbert::order(&centres).into_iter().map(|i| self.first + triangles[i as usize]).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Materials: how a surface scatters and emits light.
 
-use crate::transport::bsdf::Bsdf;
+use super::textures::{Alpha, Coordinates, Maps, Texture, Textured};
+use crate::transport::bsdf::{Bsdf, MetallicRoughness};
 use crate::transport::colour::Rgb;
 
 /// A surface's scattering and emission.
@@ -8,19 +9,73 @@ use crate::transport::colour::Rgb;
 pub struct Material {
     /// Name in the scene file, for messages.
     pub name: String,
-    /// Scattering.
+    /// Scattering; of what is textured, an example of it.
     pub bsdf: Bsdf,
-    /// Emitted radiance, uniform over the surface and over directions; zero: no light.
+    /// Emitted radiance, uniform over directions, and over the surface unless it is textured; zero: no light.
     pub emission: Rgb,
     /// Emits from the back as well as from the front.
     pub emits_both_sides: bool,
     /// Share of the surface that is there, α ∈ [0, 1]; through the rest light goes straight on. 0: there is no surface.
     pub opacity: f32,
+    /// Parameters that vary over the surface; `None`: none does.
+    pub textured: Option<Box<Textured>>,
+}
+
+impl Default for Material {
+    /// Black and opaque.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            bsdf: Bsdf::Black,
+            emission: Rgb::ZERO,
+            emits_both_sides: false,
+            opacity: 1.0,
+            textured: None,
+        }
+    }
 }
 
 impl Material {
-    /// A surface that neither reflects nor emits.
-    pub(super) fn black() -> Self {
-        Self { name: String::new(), bsdf: Bsdf::Black, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 }
+    /// α at a point.
+    pub(super) fn opacity_at(&self, textures: &[Texture], place: &Coordinates) -> f32 {
+        match &self.textured {
+            Some(textured) if textured.has_opacity() => textured.opacity(self.opacity, textures, place),
+            _ => self.opacity,
+        }
+    }
+
+    /// Emitted radiance at a point.
+    pub(super) fn emission_at(&self, textures: &[Texture], place: &Coordinates) -> Rgb {
+        self.textured.as_ref().map_or(self.emission, |textured| self.emission * textured.emission(textures, place))
+    }
+
+    /// The same as the surface of a solid instead of a thin wall; `None`: it is no such wall.
+    pub fn solid(&self) -> Option<Self> {
+        let textured = match &self.textured {
+            Some(textured) => Some(Box::new(textured.solid()?)),
+            None => None,
+        };
+        let bsdf = textured.as_ref().map_or_else(|| self.bsdf.solid(), |textured| Some(textured.representative()))?;
+        Some(Self { bsdf, textured, ..self.clone() })
+    }
+
+    /// Whether its emission, or the share of it that is there, varies.
+    pub(super) fn shines_unevenly(&self) -> bool {
+        self.textured.as_ref().is_some_and(|textured| textured.has_opacity() || textured.has_emission())
+    }
+
+    /// The same with parameters of these factors, which vary as textures and vertices say.
+    #[must_use]
+    pub fn scattering(self, factors: MetallicRoughness, maps: Maps, alpha: Alpha) -> Self {
+        if maps.is_empty() {
+            return Self { bsdf: factors.bsdf(), ..self };
+        }
+        let textured = Textured::new(factors, maps, alpha);
+        Self { bsdf: textured.representative(), textured: Some(Box::new(textured)), ..self }
+    }
+
+    /// Whether some of the light that comes to it goes straight on.
+    pub(crate) fn is_veil(&self) -> bool {
+        self.opacity < 1.0 || self.textured.as_ref().is_some_and(|textured| textured.has_opacity())
     }
 }

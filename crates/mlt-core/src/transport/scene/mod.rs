@@ -9,6 +9,7 @@ mod material;
 mod needs;
 mod primitive;
 mod surface;
+mod textures;
 mod ties;
 mod veil;
 mod view;
@@ -32,6 +33,10 @@ pub use lights::Lights;
 pub use material::Material;
 pub use needs::Needs;
 pub use surface::{Sampled, Surface};
+use textures::Attributes;
+pub use textures::{
+    Alpha, ChannelMap, Encoding, Filter, Map, Maps, NormalMap, Pixels, Texture, Textured, Wrap, srgb_to_linear,
+};
 pub use view::View;
 
 /// Triangles, materials and lights, in coordinates of the renderer's own.
@@ -40,6 +45,8 @@ pub struct Scene {
     primitives: Vec<Primitive>,
     normals: Vec<[Vec3; 3]>,
     materials: Vec<Material>,
+    textures: Vec<Texture>,
+    attributes: Attributes,
     lights: Lights,
     space: Space,
     /// Around all surfaces.
@@ -71,6 +78,9 @@ impl Scene {
     /// Further memory for a triangle that emits, bytes: measured.
     pub const BYTES_PER_EMITTER: u64 = 210;
 
+    /// Further memory for a triangle with texture coordinates and its share of their vertices, at most, bytes.
+    pub const BYTES_PER_TEXTURED_TRIANGLE: u64 = 160;
+
     /// Builds the acceleration structure and finds the lights.
     ///
     /// # Errors
@@ -88,7 +98,7 @@ impl Scene {
         if triangles.is_empty() {
             return Err(UnusableScene::NoTriangle);
         }
-        let mut lights = Lights::new(meshes, materials, &triangles);
+        let mut lights = Lights::new(meshes, materials, &description.textures, &triangles);
         if lights.lights.is_empty() && !needs.environment {
             return Err(UnusableScene::NoLight);
         }
@@ -97,14 +107,15 @@ impl Scene {
         let mesh_of: Vec<_> = (0..).zip(meshes).flat_map(|(i, m)| std::iter::repeat_n(i, m.triangles.len())).collect();
         let ties = Ties::resolve(&mut primitives, materials, &mesh_of);
         let overlaps = ties.overlaps().map(|pair| pair.map(|mesh| description.surface_name(mesh))).collect();
+        let attributes = needs.textured.then(|| Attributes::take(&mut description.meshes, mesh_of)).unwrap_or_default();
         description.meshes = Vec::new();
         let sphere = Sphere::around(triangles.iter().flatten().copied());
-        let SceneDescription { mut materials, environment, .. } = description;
+        let SceneDescription { mut materials, textures, environment, .. } = description;
         let environment = environment.filter(|_| needs.environment);
         let background = environment.as_ref().is_some_and(|environment| environment.visible);
         if let Some(environment) = environment {
             lights = lights.surrounded(environment, sphere);
-            materials.push(Material::black());
+            materials.push(Material::default());
         }
         let accel = Accel::new(&triangles);
         Ok(Self {
@@ -112,6 +123,8 @@ impl Scene {
             primitives,
             normals,
             materials,
+            textures,
+            attributes,
             lights,
             space,
             sphere,
@@ -253,7 +266,8 @@ impl Scene {
             (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c
         };
         let smooth = (p.normals != FLAT).then(|| mix(self.normals[p.normals as usize]));
-        self.vertex_at(hit.primitive, mix(p.vertices), smooth)
+        let vertex = self.vertex_at(hit.primitive, mix(p.vertices), smooth);
+        if self.needs.normal_maps { self.bent(vertex, [hit.u, hit.v]) } else { vertex }
     }
 
     #[inline(always)]

@@ -13,6 +13,10 @@ pub struct Needs {
     pub veils: bool,
     /// Light that comes from all around.
     pub environment: bool,
+    /// A surface whose parameters vary.
+    pub textured: bool,
+    /// A surface with a normal map.
+    pub normal_maps: bool,
 }
 
 impl Needs {
@@ -22,8 +26,10 @@ impl Needs {
         let any = |has: fn(&Material) -> bool| meshes.iter().any(|mesh| has(&materials[mesh.material as usize]));
         Self {
             specular: any(|material| material.bsdf.is_delta()),
-            veils: any(|material| material.opacity < 1.0),
+            veils: any(Material::is_veil),
             environment: environment.as_ref().is_some_and(Environment::is_lit),
+            textured: any(|material| material.textured.is_some()),
+            normal_maps: any(|material| material.textured.as_ref().is_some_and(|t| t.maps.normal.is_some())),
         }
     }
 }

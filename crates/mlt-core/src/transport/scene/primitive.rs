@@ -48,12 +48,23 @@ impl Primitive {
 
     /// Barycentric weights of the second and third vertex at the foot of `position`; `None` outside.
     pub(super) fn weights(&self, position: Vec3A) -> Option<[f32; 2]> {
+        let [u, v] = self.weights_in_plane(position);
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then_some([u as f32, v as f32])
+    }
+
+    /// The same of a point that is on the triangle but for rounding.
+    pub(super) fn nearest_weights(&self, position: Vec3A) -> [f32; 2] {
+        let [u, v] = self.weights_in_plane(position).map(|weight| weight.clamp(0.0, 1.0));
+        let excess = (u + v).max(1.0);
+        [(u / excess) as f32, (v / excess) as f32]
+    }
+
+    fn weights_in_plane(&self, position: Vec3A) -> [f64; 2] {
         let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
         let (e, f, p) = (b - a, c - a, position.as_dvec3() - a);
         let n = e.cross(f);
         let square = n.length_squared();
-        let [u, v] = [p.cross(f), e.cross(p)].map(|area| area.dot(n) / square);
-        (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then_some([u as f32, v as f32])
+        [p.cross(f), e.cross(p)].map(|area| area.dot(n) / square)
     }
 }
 

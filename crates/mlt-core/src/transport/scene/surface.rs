@@ -4,9 +4,13 @@
 //! f_s |ω·N_s|/|ω·N_g| with ω towards the light: the cosine that the shading normal asks for, over the one that the
 //! geometric term holds. Light subpaths evaluate the same function, which is the adjoint correction.
 //!
-//! Source: [Veach97], section 5.3.
+//! Where a normal map bends the normal, that quotient has no bound: light is cut off along a line where N_g still faces it, and
+//! little before it f_s is largest. There it has the factor S = g + g² − g³ of g = min(1, |ω·N_g|/(|ω·N_s| N_s·N_g)), which is at
+//! most 1 and 1 wherever N_g sees no less of the light than N_s does. docs/theory-surfaces.md, "Normal maps".
+//!
+//! Sources: [Veach97], section 5.3; Chiang et al., "Taming the Shadow Terminator", SIGGRAPH talks, 2019.
 
-use super::Scene;
+use super::{Scene, Textured};
 use crate::engine::uniform_f32;
 use crate::transport::bsdf::{Bsdf, Evaluation};
 use crate::transport::colour::Rgb;
@@ -27,36 +31,67 @@ pub struct Sampled {
 }
 
 /// The surface at a vertex, as it scatters there.
-#[derive(Clone, Copy)]
 pub struct Surface<'a> {
     vertex: &'a Vertex,
-    bsdf: &'a Bsdf,
+    bsdf: Scattering<'a>,
+}
+
+/// A surface's BSDF.
+#[expect(clippy::large_enum_variant, reason = "one is made at each vertex of a textured surface, without allocation")]
+enum Scattering<'a> {
+    /// The same everywhere.
+    Uniform(&'a Bsdf),
+    /// That of one point.
+    Local { bsdf: Bsdf, bent: bool },
 }
 
 impl Scene {
     /// The surface at a vertex.
     #[inline(always)]
     pub fn surface<'a>(&'a self, vertex: &'a Vertex) -> Surface<'a> {
-        Surface { vertex, bsdf: &self.material(vertex).bsdf }
+        let material = self.material(vertex);
+        let bsdf = match &material.textured {
+            Some(textured) if self.needs.textured => self.local(textured, vertex),
+            _ => Scattering::Uniform(&material.bsdf),
+        };
+        Surface { vertex, bsdf }
+    }
+
+    #[inline(never)]
+    fn local(&self, textured: &Textured, vertex: &Vertex) -> Scattering<'_> {
+        let bsdf = textured.bsdf(&self.textures, &self.coordinates(vertex));
+        Scattering::Local { bsdf, bent: textured.maps.normal.is_some() && !bsdf.is_delta() }
     }
 }
 
 impl Surface<'_> {
+    #[inline(always)]
+    fn bsdf(&self) -> &Bsdf {
+        match &self.bsdf {
+            Scattering::Uniform(bsdf) => bsdf,
+            Scattering::Local { bsdf, .. } => bsdf,
+        }
+    }
+
     /// f_s(to_light → to_eye) |ω·N_s|/|ω·N_g|, sr⁻¹, with ω = to_light, and the densities of either direction, given the other,
     /// sr⁻¹; `None` where it is zero.
     #[inline(always)]
-    pub fn evaluate(self, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
+    pub fn evaluate(&self, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
         let (shading, geometric) = cosines(self.vertex, to_light)?;
         cosines(self.vertex, to_eye)?;
-        let found = self.bsdf.evaluate(self.vertex.shading_normal, to_light, to_eye);
-        (found.value != Rgb::ZERO).then(|| Evaluation { value: found.value * (shading / geometric), ..found })
+        let found = self.bsdf().evaluate(self.vertex.shading_normal, to_light, to_eye);
+        let mut scale = shading / geometric;
+        if let Scattering::Local { bent: true, .. } = self.bsdf {
+            scale *= terminator(self.vertex, shading, geometric);
+        }
+        (found.value != Rgb::ZERO).then(|| Evaluation { value: found.value * scale, ..found })
     }
 
     /// Draws a direction from three random numbers, or from two where no event is chosen; `None`: absorbed.
     #[inline(always)]
-    pub fn sample(self, given: Vec3A, rng: &mut impl Rng) -> Option<Vec3A> {
+    pub fn sample(&self, given: Vec3A, rng: &mut impl Rng) -> Option<Vec3A> {
         let (u, v) = (uniform_f32(rng), uniform_f32(rng));
-        let sampled = match self.bsdf {
+        let sampled = match self.bsdf() {
             Bsdf::Lambert(lambert) => lambert.sample(self.vertex.shading_normal, given, Vec2::new(u, v)),
             bsdf => bsdf.sample(self.vertex.shading_normal, given, [u, v, uniform_f32(rng)])?,
         };
@@ -65,9 +100,9 @@ impl Surface<'_> {
 
     /// Draws a direction towards the light, and says what comes from there.
     #[inline(always)]
-    pub fn sample_to_light(self, to_eye: Vec3A, rng: &mut impl Rng) -> Option<Sampled> {
+    pub fn sample_to_light(&self, to_eye: Vec3A, rng: &mut impl Rng) -> Option<Sampled> {
         let to_light = self.sample(to_eye, rng)?;
-        if let Bsdf::Lambert(lambert) = self.bsdf {
+        if let Scattering::Uniform(Bsdf::Lambert(lambert)) = self.bsdf {
             cosines(self.vertex, to_eye)?;
             let pdf = self.vertex.shading_normal.dot(to_light).abs() * FRAC_1_PI;
             return Some(Sampled { to_light, weight: lambert.reflectance, pdf });
@@ -79,16 +114,23 @@ impl Surface<'_> {
 
     /// The direction that a delta BSDF joins to `given` by reflection or by transmission.
     #[inline]
-    pub fn delta_direction(self, given: Vec3A, transmit: bool) -> Option<Vec3A> {
-        let direction = self.bsdf.delta_direction(self.vertex.shading_normal, given, transmit)?;
+    pub fn delta_direction(&self, given: Vec3A, transmit: bool) -> Option<Vec3A> {
+        let direction = self.bsdf().delta_direction(self.vertex.shading_normal, given, transmit)?;
         cosines(self.vertex, direction).map(|_| direction)
     }
 
     /// Probability with which a delta BSDF's sampling chooses the event that joins the two directions.
     #[inline]
-    pub fn event_probability(self, given: Vec3A, sampled: Vec3A) -> f32 {
-        self.bsdf.event_probability(self.vertex.shading_normal, given, sampled)
+    pub fn event_probability(&self, given: Vec3A, sampled: Vec3A) -> f32 {
+        self.bsdf().event_probability(self.vertex.shading_normal, given, sampled)
     }
+}
+
+/// S of a direction to the light with these cosines to the shading and to the geometric normal.
+#[inline]
+fn terminator(vertex: &Vertex, shading: f32, geometric: f32) -> f32 {
+    let g = (geometric / (shading * vertex.shading_normal.dot(vertex.geometric_normal))).min(1.0);
+    g * (1.0 + g * (1.0 - g))
 }
 
 /// |ω·N_s| and |ω·N_g|; `None` if ω is on different sides of the two, or tangent.

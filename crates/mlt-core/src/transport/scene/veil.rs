@@ -17,8 +17,12 @@ use rand_pcg::rand_core::Rng;
 impl Scene {
     /// α at a vertex.
     #[inline]
-    fn opacity(&self, vertex: &Vertex) -> f32 {
-        self.material(vertex).opacity
+    pub(super) fn opacity(&self, vertex: &Vertex) -> f32 {
+        let material = self.material(vertex);
+        match &material.textured {
+            Some(textured) if textured.has_opacity() => material.opacity_at(&self.textures, &self.coordinates(vertex)),
+            _ => material.opacity,
+        }
     }
 
     /// The surface at which light along a direction, of any length, stops, or the environment beyond all surfaces; and τ of those that

@@ -6,6 +6,7 @@ pub(crate) mod paths;
 mod rooms;
 mod sky;
 mod strata;
+mod textures;
 mod veils;
 mod visibility;
 pub(crate) mod worlds;

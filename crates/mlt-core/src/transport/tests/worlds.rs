@@ -3,8 +3,11 @@
 use crate::transport::bsdf::{Bsdf, Lambert, MetallicRoughness};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
-use crate::transport::scene::{Camera, CameraPose, Environment, Lens, Material, Scene, SceneDescription, View};
-use glam::{DVec3, Vec3};
+use crate::transport::scene::{
+    Alpha, Camera, CameraPose, ChannelMap, Encoding, Environment, Filter, Lens, Map, Maps, Material, NormalMap, Pixels,
+    Scene, SceneDescription, Texture, View, Wrap,
+};
+use glam::{Affine2, DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
 /// A scene with a camera.
@@ -26,15 +29,17 @@ pub(crate) struct Builder(SceneDescription);
 impl Builder {
     /// A surface that only scatters.
     pub fn surface(self, mesh: Mesh, bsdf: Bsdf) -> Self {
-        self.mesh(
-            mesh,
-            Material { name: String::new(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity: 1.0 },
-        )
+        self.mesh(mesh, Material { bsdf, ..Material::default() })
     }
 
     /// A surface that only emits.
     pub fn light(self, mesh: Mesh, emission: Rgb, emits_both_sides: bool) -> Self {
-        self.mesh(mesh, Material { name: String::new(), bsdf: Bsdf::Black, emission, emits_both_sides, opacity: 1.0 })
+        self.mesh(mesh, Material { emission, emits_both_sides, ..Material::default() })
+    }
+
+    pub fn with_textures(mut self, textures: Vec<Texture>) -> Self {
+        self.0.textures = textures;
+        self
     }
 
     pub fn mesh(mut self, mesh: Mesh, material: Material) -> Self {
@@ -213,7 +218,7 @@ pub(crate) fn pond() -> World {
 
 /// A material that is there for the share `opacity`.
 pub(crate) fn veil(bsdf: Bsdf, opacity: f32) -> Material {
-    Material { name: String::new(), bsdf, emission: Rgb::ZERO, emits_both_sides: false, opacity }
+    Material { bsdf, opacity, ..Material::default() }
 }
 
 /// A curtain across the box, parallel to its back.
@@ -285,6 +290,65 @@ pub(crate) fn glass(roughness: f32) -> Bsdf {
     material(MetallicRoughness { roughness, metallic: 0.0, transmission: 1.0, thin: false, ..Default::default() })
 }
 
+/// A texture of 4 × 4 pixels of some channels, all of them different.
+pub(crate) fn texture(channels: usize, encoding: Encoding) -> Texture {
+    let bytes = (0..16 * channels).map(|i| (i * 89 % 251) as u8).collect();
+    let pixels = Pixels::new([4, 4], channels, bytes).expect("as many bytes as pixels");
+    Texture::new(pixels.into(), [Wrap::Repeat; 2], Filter::Bilinear, encoding)
+}
+
+/// A texture read as it lies.
+pub(crate) fn map(texture: u32) -> Map {
+    Map { texture, set: 0, transform: Affine2::IDENTITY }
+}
+
+/// A material of parameters that vary.
+pub(crate) fn varying(factors: MetallicRoughness, maps: Maps, alpha: Alpha) -> Material {
+    Material::default().scattering(factors, maps, alpha)
+}
+
+/// A quad with the texture's corners at its own, the first one below on the left.
+pub(crate) fn textured_quad(corners: [DVec3; 4]) -> Mesh {
+    let uv = [[0., 1.], [1., 1.], [1., 0.], [0., 0.]].map(Vec2::from_array).to_vec();
+    Mesh { uv: [uv, Vec::new()], ..quad(corners) }
+}
+
+/// The box with a curtain of varying colour with holes, a ball of varying metal and one that is bumpy, and a lamp that shines
+/// unevenly. Half of the lamp's front is dark.
+pub(crate) fn textured() -> World {
+    let v = DVec3::new;
+    let red = MetallicRoughness { base_color: Rgb::new(0.9, 0.4, 0.3), ..MetallicRoughness::default() };
+    let plain = MetallicRoughness { metallic: 0.0, ..red.clone() };
+    let channel = |texture, channel| Some(ChannelMap { map: map(texture), channel });
+    let cloth = Maps { base_color: Some(map(0)), opacity: channel(0, 3), ..Maps::default() };
+    let metal = Maps { metallic: channel(1, 2), roughness: channel(1, 1), ..Maps::default() };
+    let bumps = Maps { normal: Some(NormalMap { map: map(2), scale: 0.7 }), ..Maps::default() };
+    let glow = Maps { emission: Some(map(0)), ..Maps::default() };
+    let lamp = Material { emission: Rgb::splat(6.0), ..varying(plain.clone(), glow, Alpha::Opaque) };
+    let round = |centre, radius| {
+        let ball = ball(centre, radius, true);
+        let uv = ball.normals.iter().map(|n| Vec2::new(n.x + n.z, n.y)).collect();
+        Mesh { uv: [uv, Vec::new()], ..ball }
+    };
+    let builder = walls()
+        .mesh(
+            textured_quad([v(-1., -1., 0.5), v(1., -1., 0.5), v(1., 1., 0.5), v(-1., 1., 0.5)]),
+            varying(plain.clone(), cloth, Alpha::Mask(0.5)),
+        )
+        .mesh(round(v(-0.4, -0.5, 0.2), 0.4), varying(red, metal, Alpha::Opaque))
+        .mesh(round(v(0.45, -0.5, 0.0), 0.4), varying(plain, bumps, Alpha::Opaque))
+        .mesh(textured_quad([v(-0.9, -0.2, -0.8), v(-0.3, -0.2, -0.9), v(-0.3, 0.6, -0.9), v(-0.9, 0.6, -0.8)]), lamp);
+    see(builder.with_textures(vec![texture(4, Encoding::Srgb), texture(3, Encoding::Linear), normal_map()]))
+}
+
+/// Normals that lean by up to half a right angle.
+fn normal_map() -> Texture {
+    let leaning =
+        |i: usize| [128 + [0, 60, 0, 196][i % 4], 128 + [50, 0, 206, 0][i / 4], 220].map(|x: i32| (x % 256) as u8);
+    let pixels = Pixels::new([4, 4], 3, (0..16).flat_map(leaning).collect()).expect("as many bytes as pixels");
+    Texture::new(pixels.into(), [Wrap::Mirror; 2], Filter::Bilinear, Encoding::Linear)
+}
+
 /// Every kind of surface that a ball may be of, by name.
 pub(crate) fn worlds() -> Vec<(&'static str, World)> {
     vec![
@@ -305,5 +369,6 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("lamps and sky", lamps_and_sky()),
         ("thin lens", blurred()),
         ("orthographic camera", parallel()),
+        ("textured", textured()),
     ]
 }

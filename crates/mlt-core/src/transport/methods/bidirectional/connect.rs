@@ -91,7 +91,9 @@ impl Bidirectional<'_> {
         let Evaluation { value, pdf_to_eye, .. } = emission(&self.view, &x.vertex, x.to_eye)?;
         let lights = self.view.scene.lights();
         let point = lights.point(x.vertex.primitive, x.vertex.position)?;
-        let forward = lights.lights[point.light as usize].exitance(value) / self.region.power();
+        let light = &lights.lights[point.light as usize];
+        let relative = self.view.scene.relative_exitance(light, &x.vertex, value);
+        let forward = light.mean_exitance() * relative / self.region.power();
         let preference = self.region.preference(lights, [&x.vertex, &vertices[1].vertex], &point);
         let Carried { throughput, others, .. } = eye.carried(t);
         let weight = 1.0 / (1.0 + later_techniques(vertices, (forward, pdf_to_eye), others, preference));

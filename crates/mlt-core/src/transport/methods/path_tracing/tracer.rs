@@ -144,7 +144,7 @@ impl PathTracer<'_> {
             && let Some(point) = lights.point(x.primitive, x.position)
         {
             let cos = x.geometric_normal.dot(walk.to_eye).abs();
-            let relative = lights.lights[number.0 as usize].relative_exitance(emitted);
+            let relative = scene.relative_exitance(&lights.lights[number.0 as usize], x, emitted);
             let drawn = self.light_sampler.density(&walk.before, number, &point) * relative;
             return emitted * power_heuristic(pdf * cos, drawn as f32);
         }
@@ -163,7 +163,7 @@ impl PathTracer<'_> {
         if emitted == Rgb::ZERO {
             return None;
         }
-        let density = (density * light.relative_exitance(emitted)) as f32;
+        let density = (density * scene.relative_exitance(light, &source, emitted)) as f32;
         let found = scene.surface(&walk.vertex).evaluate(to_light, walk.to_eye)?;
         let passed = scene.transmittance(&walk.vertex, &source);
         if passed == 0.0 {
@@ -193,7 +193,7 @@ impl PathTracer<'_> {
         if emitted == Rgb::ZERO {
             return None;
         }
-        let density = density * light.relative_exitance(emitted);
+        let density = density * scene.relative_exitance(light, &source, emitted);
         let passed = scene.transmittance(&eye, &source);
         if passed == 0.0 {
             return None;

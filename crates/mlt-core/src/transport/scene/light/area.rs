@@ -1,5 +1,6 @@
 //! Surfaces that emit, each with an area-preserving map from the unit square.
 
+use super::uneven::Uneven;
 use super::{Light, Piece, Shape};
 use crate::transport::colour::Rgb;
 use glam::{DVec2, Vec3};
@@ -11,6 +12,8 @@ pub(crate) enum Area {
     Parallelogram { origin: Vec3, edges: [Vec3; 2], primitives: [u32; 2] },
     /// u runs through the triangles in proportion to their areas.
     Triangles { primitives: Vec<u32>, cumulative: Vec<f64>, vertices: Vec<[Vec3; 3]> },
+    /// u runs through parts of the triangles in proportion to their power.
+    Uneven(Box<Uneven>),
 }
 
 impl Light {
@@ -60,6 +63,7 @@ impl Area {
                 };
                 (first as u32, (first..=last).map(piece).collect())
             }
+            Self::Uneven(uneven) => uneven.pieces(low, high),
         }
     }
 
@@ -67,7 +71,7 @@ impl Area {
     pub(super) fn sides(&self) -> DVec2 {
         match self {
             Self::Parallelogram { edges, .. } => DVec2::from_array(edges.map(|e| f64::from(e.length()))),
-            Self::Triangles { .. } => DVec2::X,
+            Self::Triangles { .. } | Self::Uneven(_) => DVec2::X,
         }
     }
 
@@ -76,7 +80,7 @@ impl Area {
     pub(super) fn grid(&self, size: [u32; 2]) -> [u32; 2] {
         match self {
             Self::Parallelogram { .. } => size,
-            Self::Triangles { .. } => [size[0] * size[1], 1],
+            Self::Triangles { .. } | Self::Uneven(_) => [size[0] * size[1], 1],
         }
     }
 
@@ -91,6 +95,7 @@ impl Area {
                 };
                 vertices.iter().enumerate().map(weighted).sum()
             }
+            Self::Uneven(uneven) => uneven.centre(),
         }
     }
 
@@ -104,11 +109,11 @@ impl Area {
             Self::Triangles { primitives, cumulative, vertices } => {
                 let i = cumulative.partition_point(|&c| c <= u).min(primitives.len() - 1);
                 let (low, high) = interval(cumulative, i);
-                let root = ((u - low) / (high - low)).clamp(0.0, 1.0).sqrt() as f32;
                 let [a, b, c] = vertices[i];
-                let (wb, wc) = (root * (1.0 - v as f32), root * v as f32);
+                let [wb, wc] = on_triangle((u - low) / (high - low), v);
                 (primitives[i], (1.0 - wb - wc) * a + wb * b + wc * c)
             }
+            Self::Uneven(uneven) => uneven.at(u, v),
         }
     }
 
@@ -124,16 +129,25 @@ impl Area {
                 let v = if root > 0.0 { (wc / root).min(1.0) } else { 0.0 };
                 (low + root * root * (high - low), v)
             }
+            Self::Uneven(uneven) => uneven.coordinates(index, position),
         }
     }
 }
 
-fn interval(cumulative: &[f64], i: usize) -> (f64, f64) {
+/// Weights of the second and third vertex of a triangle at a point of the unit square, preserving relative area.
+#[inline(always)]
+pub(super) fn on_triangle(u: f64, v: f64) -> [f32; 2] {
+    let root = u.clamp(0.0, 1.0).sqrt() as f32;
+    [root * (1.0 - v as f32), root * v as f32]
+}
+
+/// Where a part begins and ends.
+pub(super) fn interval(cumulative: &[f64], i: usize) -> (f64, f64) {
     (if i == 0 { 0.0 } else { cumulative[i - 1] }, cumulative[i])
 }
 
 /// (s, t), each clamped to [0, 1], of the point s·e + t·f nearest to p.
-fn weights(p: Vec3, e: Vec3, f: Vec3) -> (f64, f64) {
+pub(super) fn weights(p: Vec3, e: Vec3, f: Vec3) -> (f64, f64) {
     let (p, e, f) = (p.as_dvec3(), e.as_dvec3(), f.as_dvec3());
     let n = e.cross(f);
     let d = n.length_squared();

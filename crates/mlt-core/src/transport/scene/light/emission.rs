@@ -1,6 +1,7 @@
 //! Emission of a vertex on a light: a surface's is the same radiance in every direction of its front, or of both of its sides.
 
-use super::{Light, LightPoint, Shape};
+use super::uneven::Uneven;
+use super::{Area, Light, LightPoint, Shape};
 use crate::engine::uniform_f32;
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::math::cosine_hemisphere;
@@ -38,13 +39,54 @@ impl Scene {
         }
         let material = self.material(vertex);
         let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
-        if lit && !self.is_hidden(vertex, direction) { material.emission } else { Rgb::ZERO }
+        if lit && !self.is_hidden(vertex, direction) { self.emission(vertex) } else { Rgb::ZERO }
+    }
+
+    /// Radiance of the lit side.
+    #[inline(always)]
+    fn emission(&self, vertex: &Vertex) -> Rgb {
+        let material = self.material(vertex);
+        if self.needs.textured && material.textured.is_some() {
+            self.varying_emission(vertex)
+        } else {
+            material.emission
+        }
+    }
+
+    #[inline(never)]
+    fn varying_emission(&self, vertex: &Vertex) -> Rgb {
+        let place = self.coordinates(vertex);
+        let material = self.material(vertex);
+        if material.opacity_at(&self.textures, &place) > 0.0 {
+            material.emission_at(&self.textures, &place)
+        } else {
+            Rgb::ZERO
+        }
     }
 
     /// M at a vertex on a light.
     #[inline(always)]
     pub(crate) fn exitance(&self, light: &Light, vertex: &Vertex) -> f64 {
-        if vertex.is_distant() { light.exitance(self.radiance_from_afar(vertex)) } else { light.mean_exitance() }
+        let emitted = if vertex.is_distant() { self.radiance_from_afar(vertex) } else { light.emission };
+        light.mean_exitance() * self.relative_exitance(light, vertex, emitted)
+    }
+
+    /// M over its light's mean, at a vertex that emits the radiance `emitted`, which is not zero.
+    #[inline(always)]
+    pub(crate) fn relative_exitance(&self, light: &Light, vertex: &Vertex, emitted: Rgb) -> f64 {
+        match &light.shape {
+            Shape::Area(Area::Uneven(uneven)) => self.uneven_exitance(uneven, vertex),
+            _ => light.relative_exitance(emitted),
+        }
+    }
+
+    /// Of an uneven light, whose points are drawn by area, not by that times opacity.
+    #[inline(never)]
+    fn uneven_exitance(&self, uneven: &Uneven, vertex: &Vertex) -> f64 {
+        let index = self.lights.number(vertex.primitive).map_or(0, |(_, index)| index);
+        let opacity = self.opacity(vertex);
+        let by_area = uneven.relative(index, vertex.position.into());
+        if opacity > 0.0 { by_area / f64::from(opacity) } else { by_area }
     }
 
     /// Draws the ray that a light subpath starts with: its origin and its direction.

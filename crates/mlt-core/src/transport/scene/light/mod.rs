@@ -8,6 +8,7 @@ mod area;
 mod emission;
 mod environment;
 mod piece;
+mod uneven;
 
 use crate::transport::colour::{Rgb, luminance};
 use glam::{DVec2, Vec3};
@@ -61,19 +62,13 @@ impl Light {
         }
     }
 
-    /// M over its mean where the light emits the radiance `emitted`, which is not zero.
+    /// M over its mean where the light emits the radiance `emitted`, which is not zero, unless it is uneven.
     #[inline]
-    pub(crate) fn relative_exitance(&self, emitted: Rgb) -> f64 {
+    fn relative_exitance(&self, emitted: Rgb) -> f64 {
         match &self.shape {
             Shape::Area(_) => 1.0,
             Shape::Environment(_) => f64::from(luminance(emitted)) / f64::from(luminance(self.emission)),
         }
-    }
-
-    /// M where the light emits the radiance `emitted`, which is not zero.
-    #[inline]
-    pub(crate) fn exitance(&self, emitted: Rgb) -> f64 {
-        self.mean_exitance() * self.relative_exitance(emitted)
     }
 
     /// Φ, ∫ M over the light.
@@ -84,6 +79,7 @@ impl Light {
     /// Largest radiance.
     pub(crate) fn brightest(&self) -> Rgb {
         match &self.shape {
+            Shape::Area(Area::Uneven(uneven)) => uneven.brightest,
             Shape::Area(_) => self.emission,
             Shape::Environment(around) => around.brightest(),
         }

@@ -49,8 +49,7 @@ fn ball(centre: DVec3, radius: f64, material: u32) -> Mesh {
 
 /// A glass ball and a mirror over a floor, before a wall, under a lamp or under a cloudy sky.
 fn scene(sky: bool) -> Scene {
-    let material =
-        |bsdf, emission| Material { name: String::new(), bsdf, emission, emits_both_sides: false, opacity: 1.0 };
+    let material = |bsdf, emission| Material { bsdf, emission, ..Material::default() };
     let materials = vec![
         material(Bsdf::Lambert(Lambert { reflectance: Rgb::splat(0.7) }), Rgb::ZERO),
         material(Bsdf::Black, Rgb::splat(if sky { 0.0 } else { 10.0 })),

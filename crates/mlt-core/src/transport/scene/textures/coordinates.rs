@@ -1,0 +1,118 @@
+//! Texture coordinates, colours and tangents of a scene's vertices.
+
+use crate::transport::colour::Rgb;
+use crate::transport::geometry::Mesh;
+use glam::{Vec2, Vec3, Vec3A, Vec4, Vec4Swizzles};
+
+/// What a mesh's textures are placed by, interpolated to one point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Coordinates {
+    /// Of both sets; (0, 0) where the mesh has none.
+    pub uv: [Vec2; 2],
+    /// Factor on the base colour and on the opacity.
+    pub colour: Vec4,
+}
+
+/// What the vertices of all meshes carry beyond their positions and normals.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Attributes {
+    meshes: Vec<MeshAttributes>,
+    /// The mesh of each triangle.
+    mesh_of: Vec<u32>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct MeshAttributes {
+    /// Number of its first triangle in the scene.
+    first: u32,
+    triangles: Vec<[u32; 3]>,
+    uv: [Vec<Vec2>; 2],
+    colours: Vec<Vec4>,
+    tangents: Vec<Vec4>,
+}
+
+impl Attributes {
+    /// Those of some meshes, from which they are taken away; `mesh_of`: the mesh of each triangle.
+    pub(crate) fn take(meshes: &mut [Mesh], mesh_of: Vec<u32>) -> Self {
+        let mut first = 0;
+        let taken = meshes.iter_mut().map(|mesh| {
+            let begin = first;
+            first += mesh.triangles.len() as u32;
+            let Mesh { triangles, uv, colours, tangents, .. } = std::mem::take(mesh);
+            MeshAttributes { first: begin, triangles, uv, colours, tangents }
+        });
+        Self { meshes: taken.collect(), mesh_of }
+    }
+
+    /// On a mesh that is not taken yet, at barycentric weights of a triangle's second and third vertex.
+    pub(crate) fn on(mesh: &Mesh, corners: [u32; 3], weights: [f32; 2]) -> Coordinates {
+        coordinates(&mesh.uv, &mesh.colours, corners, weights)
+    }
+
+    /// At the point of a triangle where its second and third vertex have these barycentric weights.
+    #[inline]
+    pub(crate) fn at(&self, primitive: u32, weights: [f32; 2]) -> Coordinates {
+        let (mesh, corners) = self.corners(primitive);
+        coordinates(&mesh.uv, &mesh.colours, corners, weights)
+    }
+
+    /// Tangent, along which u grows, and bitangent, along which v falls as it does in an image, at a point of a triangle with
+    /// these vertices: the file's, or else those of the triangle. Of any length; `None`: there are no coordinates.
+    pub(crate) fn tangents(
+        &self,
+        primitive: u32,
+        weights: [f32; 2],
+        set: usize,
+        frame: TriangleFrame,
+    ) -> Option<[Vec3A; 2]> {
+        let (mesh, corners) = self.corners(primitive);
+        if let Some(tangent) = interpolated(&mesh.tangents, corners, weights) {
+            let along = Vec3A::from(tangent.xyz());
+            return Some([along, frame.normal.cross(along) * tangent.w.signum()]);
+        }
+        let uv = corners.map(|corner| mesh.uv[set].get(corner as usize).copied());
+        let [a, b, c] = [uv[0]?, uv[1]?, uv[2]?];
+        let ([e, f], [p, q]) = (frame.edges, [b - a, c - a]);
+        let area = p.perp_dot(q);
+        // In glTF v grows downwards, and a normal map's y upwards.
+        let sign = 1f32.copysign(area);
+        let along = sign * (q.y * e - p.y * f);
+        (along.length_squared() > 0.0).then(|| [along, frame.normal.cross(along) * -sign])
+    }
+
+    #[inline]
+    fn corners(&self, primitive: u32) -> (&MeshAttributes, [u32; 3]) {
+        let mesh = &self.meshes[self.mesh_of[primitive as usize] as usize];
+        (mesh, mesh.triangles[(primitive - mesh.first) as usize])
+    }
+}
+
+/// A triangle's edges from its first vertex, and the normal about which tangents lie.
+#[derive(Clone, Copy)]
+pub(crate) struct TriangleFrame {
+    pub(crate) edges: [Vec3A; 2],
+    pub(crate) normal: Vec3A,
+}
+
+#[inline]
+fn coordinates(uv: &[Vec<Vec2>; 2], colours: &[Vec4], corners: [u32; 3], weights: [f32; 2]) -> Coordinates {
+    let uv = uv.each_ref().map(|set| interpolated(set, corners, weights).unwrap_or_default());
+    Coordinates { uv, colour: interpolated(colours, corners, weights).unwrap_or(Vec4::ONE) }
+}
+
+/// `None`: the mesh has no such attribute.
+#[inline]
+fn interpolated<T>(values: &[T], corners: [u32; 3], [u, v]: [f32; 2]) -> Option<T>
+where
+    T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f32, Output = T>,
+{
+    let [a, b, c] = corners.map(|corner| values.get(corner as usize).copied());
+    Some(a? * (1.0 - u - v) + b? * u + c? * v)
+}
+
+impl Coordinates {
+    /// The vertices' colour.
+    pub(crate) fn rgb(&self) -> Rgb {
+        Vec3::from(self.colour.xyz())
+    }
+}
