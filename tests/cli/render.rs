@@ -298,7 +298,7 @@ fn a_scene_that_cannot_be_rendered_is_a_failed_run() {
     fs::write(folder.path().join("dark.obj"), OBJ.replace("usemtl light", "usemtl floor")).expect("written");
     fs::write(folder.path().join("empty.obj"), "v 0 0 0\n").expect("written");
     for (line, part) in [
-        ("dark.obj", "dark.obj: the scene has no light"),
+        ("dark.obj --environment none", "dark.obj: the scene has no light"),
         ("empty.obj", "empty.obj: the scene has no triangle"),
         ("--size 65536x65536", "an image of 65536x65536"),
         ("--rounds 1 --mutations-per-pixel 1e9", "a round of 1000000000 mutations per pixel"),
@@ -315,7 +315,7 @@ fn what_was_left_out_is_said_of_a_scene_that_cannot_be_rendered() {
     let folder = with_obj();
     let dark = OBJ.replace("usemtl light", "usemtl floor") + "p 1\n";
     fs::write(folder.path().join("dark.obj"), dark).expect("written");
-    let output = command(folder.path(), "dark.obj").output().expect("mlt starts");
+    let output = command(folder.path(), "dark.obj --environment none").output().expect("mlt starts");
     let lines: Vec<_> = text(&output.stderr).lines().map(str::to_owned).collect();
     assert_eq!((output.status.code(), lines.len()), (Some(1), 2), "{lines:?}");
     assert!(lines[0].starts_with("warning: ") && lines[0].contains("points and lines"), "{lines:?}");

@@ -1,11 +1,12 @@
 //! The gallery's files are what its code writes, and load without a word of complaint.
 
 use glam::{DVec3, Vec3};
+use mlt_core::memory::Memory;
 use mlt_core::transport::scene::{Scene as World, UnusableScene};
 use mlt_scene::{
-    Loaded,
+    EnvironmentSource, LoadOptions, Loaded,
     gallery::{Outcome, SCENES, Scene, find},
-    load,
+    open_within,
 };
 use std::{fs, path::Path};
 
@@ -13,9 +14,13 @@ fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
+/// A scene as its file has it, with no sky where it is dark.
 fn loaded(scene: &Scene) -> Loaded {
     let folder = tempfile::tempdir().unwrap();
-    load(&scene.write(folder.path()).unwrap()).unwrap_or_else(|error| panic!("{}: {error}", scene.name))
+    let mut options = LoadOptions::default();
+    options.environment.source = EnvironmentSource::None;
+    let path = scene.write(folder.path()).unwrap();
+    open_within(path, &options, &Memory::unlimited()).unwrap_or_else(|error| panic!("{}: {error}", scene.name))
 }
 
 /// With the environment variable MLT_WRITE_GALLERY, the files are written instead.

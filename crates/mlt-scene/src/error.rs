@@ -47,6 +47,22 @@ pub enum SceneError {
         /// The file.
         path: PathBuf,
     },
+    /// A file of light from all around whose extension no decoder knows.
+    #[error("{path}: no image of an environment by its extension; give an .hdr or .exr file")]
+    NoEnvironment {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An image does not decode.
+    #[error("{path}: cannot be read as {format} ({reason}); save the image again")]
+    Image {
+        /// The file.
+        path: PathBuf,
+        /// The format that its extension promises.
+        format: &'static str,
+        /// The decoder's words.
+        reason: String,
+    },
     /// The file does not parse.
     #[error("{path}: does not parse as {format} ({reason}); export the scene again or repair the file there")]
     Syntax {

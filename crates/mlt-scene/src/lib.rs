@@ -12,6 +12,7 @@
 
 mod builtin;
 mod camera;
+mod environment;
 mod error;
 pub mod gallery;
 mod geometry;
@@ -34,6 +35,7 @@ use std::path::Path;
 
 pub use builtin::{BUILTIN, builtin};
 pub use camera::{bounds, camera_framing, camera_look_at};
+pub use environment::{EnvironmentOptions, EnvironmentSource};
 pub use error::SceneError;
 pub use glass::Glass;
 pub use names::instead_of;
@@ -53,6 +55,8 @@ pub struct Loaded {
     pub lights_left_out: usize,
     /// A hash of the files that it was read from, in hexadecimal digits: scenes of different files have different ones.
     pub digest: String,
+    /// Whether a neutral sky was put around the scene because nothing in it gives light.
+    pub neutral_sky: bool,
 }
 
 impl Loaded {
@@ -83,6 +87,7 @@ fn load_within(path: &Path, options: &LoadOptions, memory: &Memory) -> Result<Lo
     let mut loaded = parsed.map_err(|reason| SceneError::Parser { path: path.to_owned(), reason })??;
     glass::settle(&mut loaded.description, options.glass, &mut loaded.warnings);
     winding::follow_normals(&mut loaded.description, &mut loaded.warnings);
+    environment::surround(&mut loaded, &options.environment, memory)?;
     loaded.make_printable();
     Ok(loaded)
 }
@@ -104,8 +109,11 @@ pub fn open_within(
     if path.is_file() || path.extension().is_some() {
         return load_within(path, options, memory);
     }
-    builtin::read(&name, options).unwrap_or_else(|| match path.exists() {
+    let loaded = builtin::read(&name, options).unwrap_or_else(|| match path.exists() {
         true => Err(SceneError::NotAFile { path: path.to_owned() }),
         false => Err(SceneError::NotFound { name: name.into_owned() }),
-    })
+    });
+    let mut loaded = loaded?;
+    environment::surround(&mut loaded, &options.environment, memory)?;
+    Ok(loaded)
 }

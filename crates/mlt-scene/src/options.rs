@@ -1,6 +1,7 @@
 //! How a scene is read.
 
 use crate::Glass;
+use crate::environment::EnvironmentOptions;
 
 /// Choices that a file leaves open, or that its user makes otherwise.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,4 +10,6 @@ pub struct LoadOptions {
     pub scene: Option<String>,
     /// What transmissive surfaces of a glTF file are taken for.
     pub glass: Glass,
+    /// Light from all around.
+    pub environment: EnvironmentOptions,
 }

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 pub mod aperture;
 pub mod bench;
 pub mod contestant;
+pub mod environment;
 pub mod perturbations;
 pub mod render;
 pub mod scene;

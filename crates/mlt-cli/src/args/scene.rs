@@ -7,7 +7,7 @@ use clap::{Args, Command, ValueEnum};
 use mlt_scene::{Glass, LoadOptions};
 use serde::Serialize;
 
-use super::written::written;
+use super::{environment::EnvironmentOptions, written::written};
 
 /// What transmissive surfaces are taken for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
@@ -42,12 +42,20 @@ pub struct SceneOptions {
     /// Glass of a glTF file without KHR_materials_volume: a solid where its mesh is closed (auto), a thin wall, or a solid
     #[arg(long, value_enum, value_name = "KIND", help_heading = "Scene")]
     pub glass: Option<GlassKind>,
+    /// Light from all around.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub environment: EnvironmentOptions,
 }
 
 impl SceneOptions {
     /// Options of the loaders.
     pub fn load_options(&self) -> LoadOptions {
-        LoadOptions { scene: self.scene_name.clone(), glass: self.glass.unwrap_or_default().into() }
+        LoadOptions {
+            scene: self.scene_name.clone(),
+            environment: self.environment.of_loader(),
+            glass: self.glass.unwrap_or_default().into(),
+        }
     }
 
     /// As words of a command line.
@@ -78,7 +86,15 @@ mod tests {
     #[test]
     fn options_become_words_and_back() {
         let parse = |words: Vec<String>| Line::parse_from([vec!["mlt".to_owned()], words].concat()).options;
-        let options = parse(vec!["--scene=a room, 'lit'".into()]);
+        let words = [
+            "--scene=a room, 'lit'",
+            "--environment=1,0.5,0",
+            "--environment-rotation=-30",
+            "--environment-strength=2.5",
+            "--background=black",
+        ];
+        let options = parse(words.map(str::to_owned).to_vec());
+        assert_eq!(options.words().expect("written").len(), words.len());
         assert_eq!(parse(options.words().expect("written")), options);
         assert_eq!(options.load_options().scene.as_deref(), Some("a room, 'lit'"));
         assert!(SceneOptions::default().words().expect("written").is_empty());

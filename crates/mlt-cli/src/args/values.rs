@@ -189,6 +189,16 @@ pub fn angle(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| "give a number".into())
+}
+
+/// A finite number that is not negative.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|&number| number >= 0.0).ok_or_else(|| "give a number that is not negative".into())
+}
+
 /// A finite number greater than zero.
 pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -311,6 +321,10 @@ mod tests {
         for bad in ["", "0", "-1", "nan", "inf", "x"] {
             assert!(positive(bad).is_err() && per_pixel(bad).is_err(), "{bad}");
         }
+        for bad in ["", "nan", "inf", "x"] {
+            assert!(finite(bad).is_err() && not_negative(bad).is_err(), "{bad}");
+        }
+        assert_eq!((finite("-2.5"), not_negative("-2.5").is_err(), not_negative("0")), (Ok(-2.5), true, Ok(0.0)));
         for bad in ["", "0", "-1", "1.5", "1025", "x"] {
             assert!(threads(bad).is_err(), "{bad}");
         }

@@ -44,6 +44,10 @@ impl Setup {
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;
         edit(&mut loaded.description);
         let (digest, mut warnings) = (loaded.digest.clone(), std::mem::take(&mut loaded.warnings));
+        if loaded.neutral_sky {
+            let words = "nothing in the file gives light, so a neutral sky does";
+            warnings.push(format!("{words}; --environment chooses another, or none"));
+        }
         let (scene, camera, camera_used) = seen(options, loaded, &memory, &mut warnings)?;
         Ok(Self { name: options.scene.display().to_string(), digest, scene, camera, camera_used, warnings, memory })
     }

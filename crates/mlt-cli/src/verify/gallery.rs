@@ -8,6 +8,7 @@ use std::{
 
 use anyhow::Context;
 use clap::ValueEnum;
+use mlt_scene::EnvironmentSource;
 use mlt_scene::gallery::{Outcome, SCENES, Scene, find};
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +19,7 @@ use super::{
 };
 use crate::{
     Failure,
-    args::{contestant::Contestant, transport::Method, verify::VerifyOptions},
+    args::{contestant::Contestant, environment::Source, transport::Method, verify::VerifyOptions},
     output::atomic,
 };
 
@@ -101,7 +102,12 @@ fn of_scene(court: &Court, scene: &Scene, path: &Path, folder: &Path) -> Result<
         let json = serde_json::to_string_pretty(&kept).context("cannot encode a verdict")?;
         Ok(atomic::write(&file(method), json.as_bytes())?)
     };
-    match court.judge(path, &kept, &mut keep) {
+    // A scene that is to be refused would get a sky.
+    let mut reading = court.reading.clone();
+    if scene.outcome == Outcome::Refused {
+        reading.environment.environment = Some(Source(EnvironmentSource::None));
+    }
+    match court.judge(path, &reading, &kept, &mut keep) {
         Err(Failure::Run(error)) if scene.outcome == Outcome::Refused => Ok(refused(court, scene, &error)),
         other => other,
     }

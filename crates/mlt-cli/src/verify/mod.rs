@@ -40,7 +40,8 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     let verdicts = pool.install(|| match &options.output {
         Some(folder) if options.gallery => gallery::run(&court, &scenes, folder),
         _ => {
-            let judged = options.scenes.iter().map(|scene| court.judge(scene, &|_| None, &mut |_, _| Ok(())));
+            let judged =
+                options.scenes.iter().map(|scene| court.judge(scene, &court.reading, &|_| None, &mut |_, _| Ok(())));
             judged.collect::<Result<Vec<_>, _>>().map(|verdicts| verdicts.concat())
         }
     })?;
@@ -95,12 +96,18 @@ impl Court {
     }
 
     /// Judges each method on a scene, but for those whose verdicts were kept.
-    fn judge(&self, scene: &Path, kept: &Kept, keep: &mut Keep) -> Result<Vec<Verdict>, Failure> {
+    fn judge(
+        &self,
+        scene: &Path,
+        reading: &SceneOptions,
+        kept: &Kept,
+        keep: &mut Keep,
+    ) -> Result<Vec<Verdict>, Failure> {
         let found: Vec<_> = self.methods.iter().map(kept).collect();
         if found.iter().all(Option::is_some) {
             return Ok(found.into_iter().flatten().collect());
         }
-        let subject = Subject::load(scene, &self.reading, self.effort)?;
+        let subject = Subject::load(scene, reading, self.effort)?;
         let mut references: Vec<(Contestant, Reference)> = Vec::new();
         let mut verdicts = Vec::new();
         for (method, found) in self.methods.iter().zip(found) {

@@ -88,11 +88,11 @@ impl Subject {
         let words = [reading.words()?, vec![format!("--size={}", effort.size)]].concat();
         let options = options(&"pt".parse().map_err(run_failure)?, scene, &words)?;
         let mut emitters = Vec::new();
-        let setup = Setup::edited(&options, |description| emitters = emitting_materials(description))?;
+        let setup = Setup::edited(&options, |description| emitters = emitters_of(description))?;
         let count = emitters.len().min(MOST_GROUPS);
         let group = |first: usize| {
             let names: Vec<_> = emitters.iter().skip(first).step_by(count).map(|(_, name)| name.as_str()).collect();
-            let keep: Vec<_> = emitters.iter().skip(first).step_by(count).map(|(index, _)| *index).collect();
+            let keep: Vec<_> = emitters.iter().skip(first).step_by(count).map(|(emitter, _)| *emitter).collect();
             let lit = Setup::edited(&options, |description| put_out_all_but(&keep, description))?;
             Ok::<_, Failure>((names.join(", "), lit))
         };
@@ -201,18 +201,31 @@ fn run_failure(message: String) -> Failure {
     Failure::Run(anyhow::anyhow!(message))
 }
 
-/// Materials of meshes that emit, with their names.
-fn emitting_materials(description: &SceneDescription) -> Vec<(usize, String)> {
-    let used = |index: usize| description.meshes.iter().any(|mesh| mesh.material as usize == index);
-    let emits = |index: usize| description.materials[index].emission != Rgb::ZERO && used(index);
-    let all = 0..description.materials.len();
-    all.filter(|&index| emits(index)).map(|index| (index, description.materials[index].name.clone())).collect()
+/// What gives light.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Emitter {
+    /// The material of this index.
+    Material(usize),
+    Environment,
 }
 
-fn put_out_all_but(kept: &[usize], description: &mut SceneDescription) {
-    for (_, material) in description.materials.iter_mut().enumerate().filter(|(index, _)| !kept.contains(index)) {
-        material.emission = Rgb::ZERO;
+/// Materials of meshes that emit, and the environment, with their names.
+fn emitters_of(description: &SceneDescription) -> Vec<(Emitter, String)> {
+    let used = |index: usize| description.meshes.iter().any(|mesh| mesh.material as usize == index);
+    let emits = |index: usize| description.materials[index].emission != Rgb::ZERO && used(index);
+    let emitting = (0..description.materials.len()).filter(|&index| emits(index));
+    let materials = emitting.map(|index| (Emitter::Material(index), description.materials[index].name.clone()));
+    let environment = description.environment.as_ref().filter(|environment| environment.is_lit());
+    materials.chain(environment.map(|_| (Emitter::Environment, "the environment".into()))).collect()
+}
+
+fn put_out_all_but(kept: &[Emitter], description: &mut SceneDescription) {
+    for (index, material) in description.materials.iter_mut().enumerate() {
+        if !kept.contains(&Emitter::Material(index)) {
+            material.emission = Rgb::ZERO;
+        }
     }
+    description.environment.take_if(|_| !kept.contains(&Emitter::Environment));
 }
 
 fn nudge_lights(description: &mut SceneDescription) {
@@ -220,5 +233,8 @@ fn nudge_lights(description: &mut SceneDescription) {
     let emitting: Vec<bool> = description.materials.iter().map(|m| m.emission != Rgb::ZERO).collect();
     for mesh in description.meshes.iter_mut().filter(|mesh| emitting[mesh.material as usize]) {
         mesh.positions.iter_mut().for_each(|p| *p += DVec3::X * (NUDGE * size));
+    }
+    if let Some(environment) = &mut description.environment {
+        environment.rotation += NUDGE;
     }
 }

@@ -103,6 +103,7 @@ pub const SCENES: &[Scene] = &[
             ]
         },
     },
+    scene!("window", "a room lit by the sky through its window", rooms::window()),
     scene!("pool", "light that goes through the water both ways", rooms::pool()),
     scene!("occluded", "a sealed light a million times as strong as the one seen", rooms::occluded()),
     Scene {

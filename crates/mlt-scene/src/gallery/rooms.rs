@@ -36,6 +36,21 @@ pub(super) fn islands() -> Document {
     document
 }
 
+/// A room with a window and nothing that gives light: a sky does, through the window.
+pub(super) fn window() -> Document {
+    let mut document = Document::new(Eye { from: dvec3(1.4, 1.4, 3.7), to: dvec3(-0.9, 1.0, 1.2), fov: 1.0 });
+    let (white, blue) = (document.diffuse("white", WHITE), document.diffuse("blue", BLUE));
+    let (orange, glass) = (document.diffuse("orange", ORANGE), document.glass("glass", 1.5));
+    let (low, high) = (dvec3(-2.0, 0.0, 0.0), dvec3(2.0, 2.6, 4.0));
+    document.add("room", white, room(low, high, &[0]));
+    let [from, to] = [dvec2(0.25, 0.35), dvec2(0.6, 0.85)];
+    document.add("wall", white, holed(low, DVec3::Z * 4.0, DVec3::Y * 2.6, from, to));
+    document.add("table", orange, solid(dvec3(-1.4, 0.0, 0.6), dvec3(-0.4, 0.6, 1.4)));
+    document.add("pillar", blue, solid(dvec3(0.7, 0.0, 0.4), dvec3(1.1, 1.7, 0.8)));
+    document.add("ball", glass, ball(dvec3(-0.9, 0.9, 1.0), 0.3, 4));
+    document
+}
+
 /// A dark room beside a bright one, and a door that is not quite shut.
 pub(super) fn door_ajar() -> Document {
     let mut document = Document::new(Eye { from: dvec3(0.9, 1.3, 3.8), to: dvec3(-0.3, 1.0, 0.0), fov: 0.95 });

@@ -36,7 +36,14 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     let cameras = camera::poses(&nodes, &graph.others(), &mut warnings);
     let description = SceneDescription { cameras, ..surfaces(source, &parsed, &nodes, &mut warnings)? };
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { name, description, warnings, lights_left_out: unsupported::lights(&nodes), digest: source.digest() })
+    Ok(Loaded {
+        name,
+        description,
+        warnings,
+        lights_left_out: unsupported::lights(&nodes),
+        digest: source.digest(),
+        neutral_sky: false,
+    })
 }
 
 /// The meshes at these nodes, and all materials.

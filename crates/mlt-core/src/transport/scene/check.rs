@@ -13,7 +13,9 @@ pub enum UnusableScene {
     #[error("the scene has no triangle")]
     NoTriangle,
     /// There is nothing to see it by.
-    #[error("the scene has no light: give a material an emission (glTF emissiveFactor, MTL Ke)")]
+    #[error(
+        "the scene has no light: give a material an emission (glTF emissiveFactor, MTL Ke), or the scene an environment"
+    )]
     NoLight,
     /// A mesh refers to a vertex or material that does not exist.
     #[error("mesh \"{mesh}\" refers to {what} {index}, which does not exist")]

@@ -31,6 +31,12 @@ pub struct SurfaceName {
 }
 
 impl SceneDescription {
+    /// Whether anything gives light.
+    pub fn is_lit(&self) -> bool {
+        let emits = |mesh: &Mesh| self.materials[mesh.material as usize].emission.max_element() > 0.0;
+        self.environment.as_ref().is_some_and(Environment::is_lit) || self.meshes.iter().any(emits)
+    }
+
     /// Name in the file of a mesh's surface, the mesh given by its number.
     pub fn surface_name(&self, mesh: u32) -> SurfaceName {
         let Mesh { name, material, .. } = &self.meshes[mesh as usize];

@@ -165,8 +165,8 @@ fn each_technique_alone_finds_what_a_floor_reflects() {
         for (environment, expected) in [
             (Environment::constant(Rgb::splat(2.0)), 1.0),
             (halves(2.0, 0.0), 1.0),
-            // E/π of 1 + 0.6 cosθ′ is 1 + 0.4 cosine of the brightest direction with the normal.
-            (Environment::sky(), 0.5 * (1.0 + 0.4 * 0.848)),
+            // E/π of 1 + 0.8 cosθ′ is 1 + 0.8 · ⅔ times the cosine of the brightest direction with the normal.
+            (Environment::sky(), 0.5 * (1.0 + 0.8 * 2.0 / 3.0 * 0.8003)),
         ] {
             let [mean, error] = alone(&floor(environment), s, |_| 1.0);
             assert!((mean - expected).abs() < 4.0 * error + 2e-3 * expected, "s = {s}: {mean} ± {error}, {expected}");

@@ -22,8 +22,6 @@ pub(super) struct Distribution {
     along: Vec<f64>,
     /// Luminance of each pixel.
     luminance: Vec<f32>,
-    /// ∫ luminance dω.
-    total: f64,
 }
 
 /// A place between four pixels.
@@ -49,22 +47,28 @@ impl Distribution {
                 sum
             })
         });
-        let mut it = Self { size, heights, above: Vec::new(), along: along.collect(), luminance, total: 0.0 };
+        let mut it = Self { size, heights, above: Vec::new(), along: along.collect(), luminance };
+        let total = it.integral(|row| it.row_total(row));
         let mut sum = 0.0;
-        let up_to = |interval: usize| {
-            let [a, b] = it.rows(interval).map(|row| it.row_total(row));
-            sum += 0.5 * (a + b) * (it.heights[interval] - it.heights[interval + 1]);
+        let up_to = |part| {
+            sum += part / total;
             sum
         };
-        let above: Vec<f64> = (0..=height).map(up_to).collect();
-        it.total = sum * TAU / width as f64;
-        it.above = above.into_iter().map(|part| part / sum).collect();
+        it.above = it.parts(|row| it.row_total(row)).map(up_to).collect();
         it
     }
 
-    /// ∫ luminance dω.
-    pub(super) fn total(&self) -> f64 {
-        self.total
+    /// ∫ x dω of a quantity x that is interpolated as luminance is, from its sum over each row.
+    pub(super) fn integral(&self, of_row: impl Fn(usize) -> f64) -> f64 {
+        self.parts(of_row).sum()
+    }
+
+    /// The same for each interval of heights.
+    fn parts(&self, of_row: impl Fn(usize) -> f64) -> impl Iterator<Item = f64> {
+        (0..=self.size[1]).map(move |interval| {
+            let [a, b] = self.rows(interval).map(&of_row);
+            0.5 * (a + b) * (self.heights[interval] - self.heights[interval + 1]) * TAU / self.size[0] as f64
+        })
     }
 
     /// The rows above and below an interval of heights.

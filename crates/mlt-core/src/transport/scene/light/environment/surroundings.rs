@@ -6,7 +6,7 @@ use crate::transport::colour::{Rgb, luminance};
 use crate::transport::geometry::Sphere;
 use crate::transport::geometry::math::turn;
 use crate::transport::scene::light::{Light, Shape};
-use glam::{Vec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 use std::f64::consts::{PI, TAU};
 
 /// An environment with the sphere that it sends light into.
@@ -26,11 +26,10 @@ impl Surroundings {
     pub(in crate::transport::scene) fn light(environment: Environment, sphere: Sphere) -> Light {
         let Environment { size, mut pixels, rotation, strength, .. } = environment;
         pixels.iter_mut().for_each(|pixel| *pixel = (*pixel * strength).min(Rgb::MAX));
-        let of = |channel: &dyn Fn(&Rgb) -> f32| {
-            Distribution::new(size.map(|n| n as usize), pixels.iter().map(channel).collect())
-        };
-        let mean = [0, 1, 2].map(|channel| (of(&|pixel| pixel[channel]).total() / (4.0 * PI)) as f32);
-        let distribution = of(&|&pixel| luminance(pixel));
+        let distribution = Distribution::new(size.map(|n| n as usize), pixels.iter().map(|&p| luminance(p)).collect());
+        let rows: Vec<DVec3> =
+            pixels.chunks_exact(size[0] as usize).map(|row| row.iter().map(|p| p.as_dvec3()).sum()).collect();
+        let mean = [0, 1, 2].map(|channel| (distribution.integral(|row| rows[row][channel]) / (4.0 * PI)) as f32);
         let around = Self { size, pixels, distribution, rotation: rotation / TAU, sphere };
         let shape = Shape::Environment(Box::new(around));
         Light { emission: mean.into(), both_sides: false, measure: 4.0 * PI, shape }

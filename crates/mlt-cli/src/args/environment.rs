@@ -1,0 +1,111 @@
+//! Light from all around.
+
+use std::{fmt, path::PathBuf, str::FromStr};
+
+use clap::{Args, ValueEnum};
+use mlt_core::transport::Rgb;
+use mlt_scene::{EnvironmentOptions as Environment, EnvironmentSource};
+use serde::{Serialize, Serializer};
+
+use super::values::{finite, not_negative, point};
+
+/// Light from all around.
+#[derive(Args, Clone, Debug, Default, PartialEq, Serialize)]
+pub struct EnvironmentOptions {
+    /// Light from all around: an equirectangular image, 'sky' (neutral, brighter from above), 'none', or the same radiance from
+    /// everywhere. If not given, a neutral sky where nothing in the file gives light
+    #[arg(long, value_name = "FILE.hdr|FILE.exr|sky|none|R,G,B", help_heading = "Scene")]
+    pub environment: Option<Source>,
+    /// Angle by which it is turned about the vertical, anticlockwise seen from above
+    #[arg(long, value_name = "DEGREES", value_parser = finite, allow_hyphen_values = true, help_heading = "Scene")]
+    pub environment_rotation: Option<f64>,
+    /// Factor of its radiance
+    #[arg(long, value_name = "FACTOR", value_parser = not_negative, help_heading = "Scene")]
+    pub environment_strength: Option<f64>,
+    /// What the camera sees where no surface is: the environment, or nothing. It lights the scene in any case
+    #[arg(long, value_enum, help_heading = "Scene")]
+    pub background: Option<Background>,
+}
+
+/// What the camera sees behind all surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Background {
+    /// The environment.
+    Visible,
+    /// Nothing.
+    Black,
+}
+
+impl EnvironmentOptions {
+    /// For the loaders.
+    pub fn of_loader(&self) -> Environment {
+        let usual = Environment::default();
+        Environment {
+            source: self.environment.clone().map_or(usual.source, |source| source.0),
+            rotation: self.environment_rotation.unwrap_or(usual.rotation),
+            strength: self.environment_strength.map_or(usual.strength, |strength| strength as f32),
+            visible: self.background != Some(Background::Black),
+        }
+    }
+}
+
+/// Where light from all around comes from, and how that is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source(pub EnvironmentSource);
+
+impl FromStr for Source {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const HELP: &str = "give an .hdr or .exr image, sky, none, or a radiance as in 1,1,1";
+        let path = PathBuf::from(text);
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let source = match (text, extension.as_deref()) {
+            ("none", _) => EnvironmentSource::None,
+            ("sky", _) => EnvironmentSource::Sky,
+            (_, Some("hdr" | "exr")) => EnvironmentSource::Image(path),
+            _ => {
+                let radiance = point(text).map_err(|_| HELP)?;
+                if radiance.iter().any(|&x| x < 0.0 || x > f64::from(f32::MAX)) {
+                    return Err("radiance is not negative, as in 1,1,1".into());
+                }
+                EnvironmentSource::Constant(Rgb::from_array(radiance.map(|x| x as f32)))
+            }
+        };
+        Ok(Self(source))
+    }
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            EnvironmentSource::AsNeeded => Ok(()),
+            EnvironmentSource::None => f.write_str("none"),
+            EnvironmentSource::Sky => f.write_str("sky"),
+            EnvironmentSource::Constant(Rgb { x, y, z }) => write!(f, "{x},{y},{z}"),
+            EnvironmentSource::Image(path) => write!(f, "{}", path.display()),
+        }
+    }
+}
+
+impl Serialize for Source {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources() {
+        for text in ["none", "sky", "a b/Sunset.HDR", "x.exr", "1,0.5,0"] {
+            assert_eq!(text.parse::<Source>().map(|source| source.to_string()), Ok(text.into()));
+        }
+        for bad in ["", "Sky", "dawn", "photo.jpg", "1,1", "-1,0,0", "1,nan,1", "1e300,0,0", "1,1,1,1"] {
+            assert!(bad.parse::<Source>().is_err(), "{bad}");
+        }
+    }
+}
