@@ -114,8 +114,8 @@ impl Converter<'_> {
             specular_color: self.map(slots.specular_color, Encoding::Srgb),
             emission: self.map(slots.emission, Encoding::Srgb),
             normal: self.map(normal, Encoding::Linear).zip(scale).map(|(map, scale)| NormalMap { map, scale }),
-            opacity: None,
             vertex_colours: self.coloured,
+            ..Maps::default()
         }
     }
 }
