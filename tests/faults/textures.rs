@@ -111,7 +111,7 @@ impl Scene {
     fn expect_not(&self, wrong: f64) {
         for method in METHODS {
             let (b, stderr) = self.render(method).b();
-            assert!((b - wrong).abs() > 0.02 + 9.0 * stderr, "{method}: {b} ± {stderr} is taken for {wrong}");
+            assert!((b - wrong).abs() > 5e-3 + 4.5 * stderr, "{method}: {b} ± {stderr} is taken for {wrong}");
         }
     }
 }

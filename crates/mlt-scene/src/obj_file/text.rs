@@ -172,7 +172,13 @@ impl Reduced {
         let coloured = line.split_whitespace().count() > 6;
         self.has_colours |= coloured;
         self.has_plain |= !coloured;
-        numbers(line, if coloured && colours { 6 } else { 3 })
+        // Without a colour there may be a weight.
+        let most = match (coloured, colours) {
+            (true, true) => 6,
+            (true, false) => 3,
+            (false, _) => 4,
+        };
+        numbers(line, most)
     }
 
     /// Parts of the file that were left out and would have been seen.
