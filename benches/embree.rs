@@ -2,7 +2,7 @@
 //!
 //! Versions 3 and 4 hand over the same structures in a different order of arguments. The library is the one that
 //! `MLT_EMBREE` names, else the newest that the system has.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "calls of a C library")]
 
 use crate::tracer::Tracer;
 use glam::Vec3;

@@ -1,4 +1,5 @@
 //! Code that the benchmarks share.
+#![allow(missing_debug_implementations, reason = "nobody prints what benchmarks share")]
 
 pub mod contest;
 pub mod embree;

@@ -25,7 +25,7 @@ thread_local! {
 }
 
 // SAFETY: every call goes to the system's allocator unchanged.
-#[allow(unsafe_code)]
+#[allow(unsafe_code, reason = "an allocator is unsafe to implement")]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);

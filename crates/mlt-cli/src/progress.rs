@@ -10,6 +10,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// A progress bar on standard error; silent when that is no terminal or the user wants quiet.
 ///
 /// Gone from the screen when dropped, so that an error message stands alone.
+#[derive(Debug)]
 pub struct Progress {
     bar: Option<ProgressBar>,
     unit: &'static str,

@@ -1,7 +1,7 @@
 //! Which vector instructions the processor has, and work that is compiled for them.
 //!
 //! **What is unsafe** here is to call code compiled for AVX2.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "calls of code compiled for AVX2")]
 
 /// Plain Rust.
 #[derive(Clone, Copy, Debug)]

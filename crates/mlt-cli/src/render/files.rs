@@ -37,9 +37,11 @@ pub fn write(options: &RenderOptions, finished: Finished) -> Result<Report, Fail
     failure.map_or(Ok(report), |error| Err(error.into()))
 }
 
+/// Standard errors of the channels of all pixels.
+type Errors = Vec<[f32; 3]>;
+
 /// The image and its standard errors; `None` where one round tells nothing of them.
-#[allow(clippy::type_complexity)]
-pub fn develop(mut film: Film<3>) -> anyhow::Result<(Image, Option<Vec<[f32; 3]>>)> {
+pub fn develop(mut film: Film<3>) -> anyhow::Result<(Image, Option<Errors>)> {
     film.finish();
     let [width, height] = film.size().map(|n| n as usize);
     let image = Image::new(width, height, film.means())?;

@@ -14,6 +14,7 @@ const USUAL_SIDE: f64 = 512.0;
 const BYTES_PER_PIXEL: u64 = 192;
 
 /// The scene and the camera to render.
+#[derive(Debug)]
 pub struct Setup {
     /// Name for the report.
     pub name: String,

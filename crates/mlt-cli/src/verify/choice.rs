@@ -177,6 +177,7 @@ fn heading(options: &VerifyOptions) -> String {
 }
 
 /// A scene to study.
+#[derive(Debug)]
 pub struct Study<'a> {
     name: String,
     file: PathBuf,

@@ -56,6 +56,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
 }
 
 /// The methods to judge, and how.
+#[derive(Debug)]
 pub struct Court {
     methods: Vec<Contestant>,
     against: Contestant,

@@ -72,6 +72,7 @@ impl Effort {
 }
 
 /// A scene, with its lights apart.
+#[derive(Debug)]
 pub struct Subject {
     scene: PathBuf,
     effort: Effort,

@@ -5,6 +5,7 @@ use super::{Coverage, Generator, Importance, Purpose, Stratum, StratumStats, gen
 /// Importance weights of the independent samples of one stratum in one round.
 ///
 /// Sample i has a random stream of its own, so a chosen sample is made again instead of being stored.
+#[derive(Debug)]
 pub(super) struct Bootstrap {
     /// Σ_states w I / p of each sample.
     weights: Vec<f64>,

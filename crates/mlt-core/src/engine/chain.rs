@@ -6,6 +6,7 @@ use super::{Importance, Mixture, Mutation, Path, Sink, Stratum, StratumStats, un
 use rand_pcg::rand_core::Rng;
 
 /// A chain in one stratum. It owns two states and swaps their places, so a step copies no more than its mutation does.
+#[derive(Debug)]
 pub struct Chain<'a, P, S, M, I> {
     mixture: &'a Mixture<P, S, M>,
     importance: &'a I,
@@ -23,6 +24,7 @@ pub struct Chain<'a, P, S, M, I> {
 }
 
 /// A path, and what depends on it alone.
+#[derive(Debug)]
 struct State<P> {
     path: P,
     importance: f64,
@@ -188,6 +190,7 @@ impl<P: Path> State<P> {
 }
 
 /// Lengths of the present runs without an acceptance.
+#[derive(Debug)]
 struct Rejections {
     /// Of steps.
     of_any: u64,

@@ -21,6 +21,7 @@ const BOOTSTRAP_BLOCK: u64 = 256;
 /// start makes every round unbiased, however short.
 ///
 /// Source: [Jankauski15], section 3; [VeachGuibas97], section 5.1 (start-up bias).
+#[derive(Debug)]
 pub struct Metropolis<'a, P, S, M, I> {
     pub(super) strata: &'a [(S, Share)],
     mixture: &'a Mixture<P, S, M>,
@@ -62,6 +63,7 @@ impl<'a, P, S, M, I> Metropolis<'a, P, S, M, I> {
 }
 
 /// A round that is ready to run its chains.
+#[derive(Debug)]
 pub struct Prepared {
     round: u64,
     bootstraps: Vec<Bootstrap>,
@@ -84,6 +86,7 @@ struct Weighed {
 }
 
 /// One chain: its stratum, number, first sample and length.
+#[derive(Debug)]
 struct ChainTask {
     stratum: usize,
     index: u64,

@@ -7,6 +7,7 @@ use std::marker::PhantomData;
 /// Mutations of one type, chosen by suitability: p_m(x) = s_m(x) / Σ_n s_n(x).
 ///
 /// Mutations of different kinds are variants of one enum, so that a proposal costs a branch and no virtual call.
+#[derive(Debug)]
 pub struct Mixture<P, S, M> {
     mutations: Vec<M>,
     marker: PhantomData<fn(&P, &S)>,
@@ -42,6 +43,7 @@ impl<P, S, M: Mutation<P, S>> Mixture<P, S, M> {
 }
 
 /// s_m(x) of all mutations at one state.
+#[derive(Debug)]
 pub(super) struct Suitabilities {
     pub(super) each: Vec<f64>,
     /// Σ_n s_n(x).

@@ -69,7 +69,7 @@ impl Measure {
 }
 
 /// Findings of pilot rounds.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Piloted {
     /// Of each stratum.
     pub measures: Vec<Measure>,

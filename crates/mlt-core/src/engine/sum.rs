@@ -5,6 +5,7 @@ use super::{Counted, DecodeError, Deposits, Estimator, Reader};
 /// An estimator whose rounds are the sum of two others' rounds, each of which samples a part of the space.
 ///
 /// Both give their rounds the same weight; they share no random numbers.
+#[derive(Debug)]
 pub struct Sum<A, B>(pub A, pub B);
 
 /// Counts of both.

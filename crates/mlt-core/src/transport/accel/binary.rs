@@ -7,11 +7,11 @@ use obvhs::{aabb::Aabb, bvh2::reinsertion::ReinsertionOptimizer};
 use rayon::prelude::*;
 
 /// Largest usable coordinate: products of two differences still fit into an f32.
-pub const MAX_COORDINATE: f32 = 1e18;
+pub(super) const MAX_COORDINATE: f32 = 1e18;
 
 /// A node of the binary tree; index 0 is the root.
 #[derive(Clone, Copy, Debug)]
-pub struct BinaryNode {
+pub(super) struct BinaryNode {
     /// Smallest corner of the bounding box.
     pub min: Vec3,
     /// Largest corner.
@@ -22,7 +22,7 @@ pub struct BinaryNode {
 
 /// Content of a binary node.
 #[derive(Clone, Copy, Debug)]
-pub enum Content {
+pub(super) enum Content {
     /// One triangle, as an index into the caller's array.
     Triangle(u32),
     /// Two nodes, at this index and the next.
@@ -31,7 +31,7 @@ pub enum Content {
 
 impl BinaryNode {
     /// Half the surface of the box, to which the chance that a random ray meets it is proportional.
-    pub fn half_area(&self) -> f32 {
+    pub(super) fn half_area(&self) -> f32 {
         let d = self.max - self.min;
         d.x * d.y + d.y * d.z + d.z * d.x
     }
@@ -41,7 +41,7 @@ impl BinaryNode {
 ///
 /// Leaving out repeats changes no answer, for the smaller index wins a tie; it spares the builder a pile of boxes
 /// that no plane separates, on which it takes quadratic time.
-pub fn usable(triangles: &[[Vec3; 3]]) -> Vec<u32> {
+pub(super) fn usable(triangles: &[[Vec3; 3]]) -> Vec<u32> {
     let in_range = |t: &[Vec3; 3]| t.iter().all(|v| v.abs().cmple(Vec3::splat(MAX_COORDINATE)).all());
     let key = |t: &[Vec3; 3]| hash(&vertex_set(t));
     let mut keyed: Vec<_> =
@@ -97,7 +97,7 @@ fn is_crowded(boxes: &[Aabb]) -> bool {
 /// A binary tree over the triangles that `indices` names; empty if it names none.
 ///
 /// Source of the moves: [MeisterBittner18a].
-pub fn build(triangles: &[[Vec3; 3]], indices: &[u32], quality: Quality) -> Vec<BinaryNode> {
+pub(super) fn build(triangles: &[[Vec3; 3]], indices: &[u32], quality: Quality) -> Vec<BinaryNode> {
     let (reach, short_passes, moved) = match quality {
         Quality::Fast => (1, 0, 0.0),
         Quality::Medium => (14, 3, 0.05),

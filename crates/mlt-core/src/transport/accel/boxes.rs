@@ -19,7 +19,7 @@ const FAR_FACTOR: f32 = 1.0 + 8.0 / 16_777_216.0;
 const SLOWEST: f32 = 1e-18;
 
 /// The ray, made ready for boxes: the plane at p is met at t = p · reciprocal − shift.
-pub struct BoxTest<S: Simd> {
+pub(super) struct BoxTest<S: Simd> {
     near_plane: [usize; 3],
     near_reciprocal: [S::Floats; 3],
     near_shift: [S::Floats; 3],
@@ -29,7 +29,7 @@ pub struct BoxTest<S: Simd> {
 
 impl<S: Simd> BoxTest<S> {
     #[inline(always)]
-    pub fn new(simd: S, ray: &Segment, scene_coordinate: f32) -> Self {
+    pub(super) fn new(simd: S, ray: &Segment, scene_coordinate: f32) -> Self {
         let Segment { origin, direction, .. } = *ray;
         let widening = WIDENING * Vec3A::splat(origin.abs().max_element()).max(Vec3A::splat(scene_coordinate));
         // A slower component moves the ray by less than the widening before it has left the scene.
@@ -49,7 +49,7 @@ impl<S: Simd> BoxTest<S> {
 
     /// Which boxes the ray meets with 0 ≤ t ≤ t_max, and where it enters them.
     #[inline(always)]
-    pub fn test(&self, simd: S, node: &Node, t_max: f32) -> (S::Mask, S::Floats) {
+    pub(super) fn test(&self, simd: S, node: &Node, t_max: f32) -> (S::Mask, S::Floats) {
         let near = |axis: usize| {
             let plane = simd.load(&node.planes[self.near_plane[axis]]);
             simd.mul_sub(plane, self.near_reciprocal[axis], self.near_shift[axis])

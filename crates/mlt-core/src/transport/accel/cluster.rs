@@ -23,7 +23,7 @@ const FEW: usize = 256;
 
 /// How clusters look for partners.
 #[derive(Clone, Copy)]
-pub struct Search {
+pub(super) struct Search {
     /// Neighbours along the curve, to either side.
     pub reach: usize,
     /// Passes, the first ones, in which only the next neighbours count.
@@ -33,7 +33,7 @@ pub struct Search {
 }
 
 /// A binary tree over `boxes`, one to a leaf, and whether a pass has stalled.
-pub fn cluster(boxes: &[Aabb], search: Search) -> (Bvh2, bool) {
+pub(super) fn cluster(boxes: &[Aabb], search: Search) -> (Bvh2, bool) {
     let mut clusters: Vec<_> =
         along_curve(boxes, search.precise).into_iter().map(|i| Bvh2Node::new(boxes[i as usize], 1, i)).collect();
     let mut free = (2 * boxes.len()).saturating_sub(1);

@@ -26,7 +26,7 @@ pub fn size(&[a, b, c]: &[Vec3; 3]) -> f32 {
 
 /// Of the lanes `hits` of a block, through whose triangles the ray passes, those with 0 < t ≤ t_max by f64; sets their t.
 #[cold]
-pub fn in_range(block: &TriangleBlock, ray: &Ray, mut hits: u32, t: &mut [f32; 8], t_max: f32) -> u32 {
+pub(super) fn in_range(block: &TriangleBlock, ray: &Ray, mut hits: u32, t: &mut [f32; 8], t_max: f32) -> u32 {
     let mut found = 0;
     while hits != 0 {
         let lane = hits.trailing_zeros() as usize & 7;

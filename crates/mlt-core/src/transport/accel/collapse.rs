@@ -38,7 +38,7 @@ enum Choice {
 }
 
 /// Folds the binary tree `binary` over `triangles`.
-pub fn collapse(binary: &[BinaryNode], triangles: &[[Vec3; 3]], coarse_size: f32) -> WideTree {
+pub(super) fn collapse(binary: &[BinaryNode], triangles: &[[Vec3; 3]], coarse_size: f32) -> WideTree {
     let Some(root) = binary.first() else { return WideTree::empty() };
     let plan = Plan::new(binary);
     let is_coarse = |index: u32| size(&triangles[index as usize]) > coarse_size;

@@ -49,6 +49,7 @@ pub enum Quality {
 }
 
 /// Triangles in a bounding-volume hierarchy.
+#[derive(Debug)]
 pub struct Accel {
     tree: WideTree,
     instructions: InstructionSet,

@@ -3,7 +3,7 @@
 //! An instruction set is a value of a type that implements [`Simd`]. A value of [`Avx2`] exists only where the processor
 //! has the instructions, so having one is the proof that calling them is sound. Where AVX2 fuses a multiplication and
 //! an addition, [`Portable`] calls [`f32::mul_add`]; min and max follow x86 (the second operand if either is NaN).
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "vector instructions")]
 
 #[cfg(target_arch = "x86_64")]
 use crate::instructions::Avx2;
@@ -14,10 +14,10 @@ use std::arch::x86_64::*;
 /// Eight floats in memory.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
-pub struct Lanes(pub [f32; 8]);
+pub(super) struct Lanes(pub [f32; 8]);
 
 /// Arithmetic on eight lanes; every operation but the fused ones rounds once a lane.
-pub trait Simd: Copy {
+pub(super) trait Simd: Copy {
     /// Eight floats in a register.
     type Floats: Copy;
     /// Eight truth values.
@@ -74,11 +74,11 @@ pub trait Simd: Copy {
 }
 
 /// The bits of a [key](Simd::keys) that are its lane.
-pub const KEY_LANE: u32 = 7;
+pub(super) const KEY_LANE: u32 = 7;
 
 /// Each x in every lane of its own register; `map` over an array would not be inlined.
 #[inline(always)]
-pub fn splat3<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> [S::Floats; 3] {
+pub(super) fn splat3<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> [S::Floats; 3] {
     [simd.splat(x), simd.splat(y), simd.splat(z)]
 }
 

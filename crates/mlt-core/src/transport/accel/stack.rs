@@ -1,7 +1,7 @@
 //! The stack of a walk through the tree.
 //!
 //! **What is unsafe** here is to leave its array uninitialised: it is longer than most walks are.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "memory that is not initialised")]
 
 use std::mem::MaybeUninit;
 
@@ -10,7 +10,7 @@ const LOCAL_LEVELS: usize = 32;
 
 /// Levels of the tree above the current one; whole cache lines of its own.
 #[repr(align(64))]
-pub struct Stack<T> {
+pub(super) struct Stack<T> {
     /// The first `len` are initialised, as far as there are so many.
     local: [MaybeUninit<T>; LOCAL_LEVELS],
     /// Those beyond them.
@@ -21,13 +21,13 @@ pub struct Stack<T> {
 impl<T: Copy> Stack<T> {
     /// An empty stack for a tree of some depth.
     #[inline(always)]
-    pub fn new(depth: usize) -> Self {
+    pub(super) fn new(depth: usize) -> Self {
         let heap = if depth <= LOCAL_LEVELS { Vec::new() } else { Vec::with_capacity(depth) };
         Self { local: [const { MaybeUninit::uninit() }; LOCAL_LEVELS], heap, len: 0 }
     }
 
     #[inline(always)]
-    pub fn push(&mut self, entry: T) {
+    pub(super) fn push(&mut self, entry: T) {
         match self.local.get_mut(self.len) {
             Some(slot) => _ = slot.write(entry),
             None => self.heap.push(entry),
@@ -36,7 +36,7 @@ impl<T: Copy> Stack<T> {
     }
 
     #[inline(always)]
-    pub fn pop(&mut self) -> Option<T> {
+    pub(super) fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;
         match self.local.get(self.len) {
             // SAFETY: it lay below the old `len`, and `push` has written all of those.

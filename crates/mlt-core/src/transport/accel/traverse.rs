@@ -7,7 +7,7 @@
 //! at the first hit. Trees without coarse triangles are walked by code that knows of none.
 //!
 //! **What is unsafe** here is to call code compiled for AVX2. Indices are checked: measured, that costs less than one per cent.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "calls of code compiled for AVX2")]
 
 use super::binary::MAX_COORDINATE;
 use super::boxes::BoxTest;
@@ -20,7 +20,7 @@ use crate::transport::geometry::{Hit, Ray};
 use glam::Vec3A;
 
 /// A ray, ready for arithmetic on four lanes.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Segment {
     pub origin: Vec3A,
     pub direction: Vec3A,
@@ -84,7 +84,7 @@ macro_rules! query {
     };
     (fn $name:ident($set:ty) -> $answer:ty, $walk:ident, $scaled:ident, $(#[$attribute:meta])*) => {
         $(#[$attribute])*
-        #[allow(clippy::too_many_arguments)]
+        #[allow(clippy::too_many_arguments, reason = "the ray travels in registers")]
         fn $name<const COARSE: bool>(
             simd: $set, tree: &WideTree, ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, t_max: f32,
         ) -> $answer {

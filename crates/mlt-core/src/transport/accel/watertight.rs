@@ -13,7 +13,7 @@ use crate::transport::geometry::{Hit, Ray};
 use glam::{DVec2, Vec3A};
 
 /// The map that takes the ray to the positive z axis: permute, move, shear.
-pub struct Shear<S: Simd> {
+pub(super) struct Shear<S: Simd> {
     axes: [usize; 3],
     origin: [S::Floats; 3],
     x: S::Floats,
@@ -32,7 +32,7 @@ fn cyclic_axes(direction: Vec3A) -> [usize; 3] {
 }
 
 /// Which triangles of a block are hit, and where.
-pub struct Test<S: Simd> {
+pub(super) struct Test<S: Simd> {
     /// A bit each.
     pub hits: u32,
     /// Ray parameters.
@@ -48,7 +48,7 @@ pub struct Test<S: Simd> {
 
 /// The nearest hit so far.
 #[derive(Clone, Copy)]
-pub struct Nearest {
+pub(super) struct Nearest {
     /// Ray parameter to the precision of the test; of no hit: the ray's end.
     pub t: f32,
     /// Index in the caller's array; `u32::MAX`: none yet.
@@ -64,7 +64,7 @@ pub struct Nearest {
 impl<S: Simd> Shear<S> {
     /// For a ray with a finite, non-zero direction.
     #[inline(always)]
-    pub fn new(simd: S, origin: Vec3A, direction: Vec3A) -> Self {
+    pub(super) fn new(simd: S, origin: Vec3A, direction: Vec3A) -> Self {
         let axes @ [x, y, z] = cyclic_axes(direction);
         let (origin, direction) = (in_memory(origin), in_memory(direction));
         let along = direction[z & 3];
@@ -80,7 +80,7 @@ impl<S: Simd> Shear<S> {
 
     /// Which triangles are hit with t_min < t ≤ t_max.
     #[inline(always)]
-    pub fn test(&self, simd: S, block: &TriangleBlock, [t_min, t_max]: [f32; 2]) -> Option<Test<S>> {
+    pub(super) fn test(&self, simd: S, block: &TriangleBlock, [t_min, t_max]: [f32; 2]) -> Option<Test<S>> {
         let zero = simd.splat(0.0);
         let [ax, ay, az] = self.vertex(simd, block, 0);
         let [bx, by, bz] = self.vertex(simd, block, 1);
@@ -104,7 +104,13 @@ impl<S: Simd> Shear<S> {
 
     /// Which triangles are hit with 0 < t ≤ t_max, by a t in f64.
     #[inline(always)]
-    pub fn test_coarse(&self, simd: S, block: &TriangleBlock, ray: impl Into<Ray>, t_max: f32) -> Option<Test<S>> {
+    pub(super) fn test_coarse(
+        &self,
+        simd: S,
+        block: &TriangleBlock,
+        ray: impl Into<Ray>,
+        t_max: f32,
+    ) -> Option<Test<S>> {
         let mut test = self.test(simd, block, [f32::NEG_INFINITY, f32::INFINITY])?;
         let mut t = simd.store(test.t);
         test.hits = coarse::in_range(block, &ray.into(), test.hits, &mut t.0, t_max);
@@ -133,13 +139,13 @@ const SLENDER: f32 = 32.0;
 impl Nearest {
     /// No hit on a ray that ends at `t_max`.
     #[inline(always)]
-    pub fn none(t_max: f32) -> Self {
+    pub(super) fn none(t_max: f32) -> Self {
         Self { t: t_max, primitive: u32::MAX, block: 0, lane: 0, v: 0.0, w: 0.0, scale: 0.0, extent: 0.0 }
     }
 
     /// Takes over the nearest of the hit lanes; of equals, the one that came first in the caller's array.
     #[inline(always)]
-    pub fn update<S: Simd>(&mut self, simd: S, test: &Test<S>, primitives: &[u32; 8], block: usize) {
+    pub(super) fn update<S: Simd>(&mut self, simd: S, test: &Test<S>, primitives: &[u32; 8], block: usize) {
         let (Lanes(t), Lanes(v), Lanes(w)) = (simd.store(test.t), simd.store(test.v), simd.store(test.w));
         let (Lanes(scale), Lanes(extent)) = (simd.store(test.scale), simd.store(test.extent));
         let mut hits = test.hits;
@@ -167,7 +173,7 @@ impl Nearest {
     /// Weights to the precision of the test are off by 10⁻⁷ times the triangle's length over its width, seen along the
     /// ray; where that is much they are computed again.
     #[inline(always)]
-    pub fn hit(&self, blocks: &[TriangleBlock], [origin, direction]: [Vec3A; 2], t_max: f32) -> Option<Hit> {
+    pub(super) fn hit(&self, blocks: &[TriangleBlock], [origin, direction]: [Vec3A; 2], t_max: f32) -> Option<Hit> {
         if self.primitive == u32::MAX {
             return None;
         }

@@ -28,6 +28,7 @@ pub struct Ggx {
 }
 
 /// Scattering by the microfacets whose normal halves the angle between two directions.
+#[derive(Debug)]
 pub struct Reflection {
     /// cos of the half angle, h·a = h·b ≤ 1.
     pub cos_half: f32,

@@ -45,6 +45,7 @@ impl Node {
 }
 
 /// The lights of a scene in spatial order.
+#[derive(Debug)]
 pub struct LightTree<'a> {
     lights: &'a [Light],
     order: Vec<u32>,

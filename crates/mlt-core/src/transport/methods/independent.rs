@@ -32,6 +32,7 @@ pub trait Selection: Sync {
 }
 
 /// All paths.
+#[derive(Debug)]
 pub struct AllPaths;
 
 impl Selection for AllPaths {
@@ -42,6 +43,7 @@ impl Selection for AllPaths {
 }
 
 /// Samples every pixel equally often in each round.
+#[derive(Debug)]
 pub struct Independent<'a, T, S = AllPaths> {
     /// The method.
     pub sampler: &'a T,

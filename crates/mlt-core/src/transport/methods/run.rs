@@ -7,6 +7,7 @@ use crate::engine::{
     Stratum, Sum,
 };
 use crate::transport::scene::rays_traced;
+use std::fmt;
 use std::ops::Range;
 
 /// Sums of a render's rounds, with what they counted.
@@ -23,6 +24,12 @@ pub struct Run<'r, 'o> {
     pub sums: &'r mut Sums,
     /// Told of every round.
     pub observe: &'r mut Observer<'o>,
+}
+
+impl fmt::Debug for Run<'_, '_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Run").field("rounds", &self.rounds).field("sums", &self.sums).finish_non_exhaustive()
+    }
 }
 
 impl Run<'_, '_> {

@@ -20,6 +20,7 @@ type Coordinates = [u32; POINTS];
 /// a set also in the plane, and all four jointly the longer the sequence.
 ///
 /// Source: [Burley20], "Practical Hash-Based Owen Scrambling", JCGT.
+#[derive(Debug)]
 pub struct OwenSobol {
     seed: u64,
     /// The point's number.

@@ -157,7 +157,7 @@ impl fmt::Display for Kinds {
 }
 
 /// End of a path that a sampler does not build: where and how it meets the light.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct PathEnd<'a> {
     /// The path's kind.
     pub kind: Kind,
@@ -166,7 +166,7 @@ pub struct PathEnd<'a> {
 }
 
 /// How x_0 was found.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub enum LightEnd<'a> {
     /// Drawn on the lights.
     Drawn(&'a LightPoint),

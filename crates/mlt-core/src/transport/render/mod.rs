@@ -11,12 +11,14 @@ use std::ops::{ControlFlow, Range};
 pub use crate::transport::methods::{Counts, Method, Observer, PilotCounts, Settings, Sums, film_of, film_unit};
 
 /// A method that is set up for a view.
+#[derive(Debug)]
 pub struct Renderer<'a> {
     view: View<'a>,
     method: Prepared<'a>,
 }
 
 /// A method with all that its rounds need.
+#[derive(Debug)]
 enum Prepared<'a> {
     Auto(Auto<'a>),
     Metropolis(PathMetropolis<'a>),

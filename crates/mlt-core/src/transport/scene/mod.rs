@@ -40,6 +40,7 @@ pub use textures::{
 pub use view::View;
 
 /// Triangles, materials and lights, in coordinates of the renderer's own.
+#[derive(Debug)]
 pub struct Scene {
     accel: Accel,
     primitives: Vec<Primitive>,

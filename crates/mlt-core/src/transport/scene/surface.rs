@@ -31,6 +31,7 @@ pub struct Sampled {
 }
 
 /// The surface at a vertex, as it scatters there.
+#[derive(Debug)]
 pub struct Surface<'a> {
     vertex: &'a Vertex,
     bsdf: Scattering<'a>,
@@ -38,6 +39,7 @@ pub struct Surface<'a> {
 
 /// A surface's BSDF.
 #[expect(clippy::large_enum_variant, reason = "one is made at each vertex of a textured surface, without allocation")]
+#[derive(Debug)]
 enum Scattering<'a> {
     /// The same everywhere.
     Uniform(&'a Bsdf),

@@ -117,6 +117,7 @@ fn stratum(lights: &Lights, strata: &LightStrata, end: &PathEnd) -> usize {
 }
 
 /// The paths of some kinds in each part of the lights.
+#[derive(Debug)]
 pub struct SomePaths<'a> {
     /// The lights.
     pub lights: &'a Lights,

@@ -19,6 +19,7 @@ use crate::transport::paths::LightPath;
 use crate::transport::scene::View;
 
 /// Independent samples where they are better, Metropolis where it pays.
+#[derive(Debug)]
 pub struct Auto<'a> {
     view: View<'a>,
     settings: Settings,

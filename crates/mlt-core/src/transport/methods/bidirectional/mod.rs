@@ -14,6 +14,7 @@ use crate::transport::scene::View;
 pub use sampler::Bidirectional;
 
 /// Bidirectional path tracing, as often in every pixel.
+#[derive(Debug)]
 pub struct BidirectionalTracing<'a> {
     view: View<'a>,
     settings: Settings,

@@ -23,7 +23,7 @@ const MOST_SURVIVAL: f64 = 0.95;
 const LEAST_SURVIVAL: f64 = 0.05;
 
 /// The sampler of connected paths that start in a region.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Bidirectional<'a> {
     /// Scene and camera.
     pub view: View<'a>,

@@ -15,6 +15,7 @@ use crate::transport::paths::LightPath;
 use crate::transport::scene::View;
 
 /// Chains over paths, whatever the strata and their shares.
+#[derive(Debug)]
 pub(super) struct PathChains<'a> {
     view: View<'a>,
     settings: Settings,

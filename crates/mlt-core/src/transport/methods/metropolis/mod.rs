@@ -23,6 +23,7 @@ pub use stratum::LightStratum;
 pub use variant::Variant;
 
 /// Stratified Metropolis light transport.
+#[derive(Debug)]
 pub struct PathMetropolis<'a> {
     chains: PathChains<'a>,
     strata: LightStrata,

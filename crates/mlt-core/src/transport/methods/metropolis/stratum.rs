@@ -15,7 +15,7 @@ use rand_pcg::rand_core::Rng;
 /// of their light ends can be drawn, and each of K parts would keep a Kth of those that its samples meet.
 ///
 /// Source: [Jankauski15], section 4.1; what is met by chance is not cut apart there.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct LightStratum<'a> {
     strata: &'a LightStrata,
     held: Held,
@@ -26,7 +26,7 @@ pub struct LightStratum<'a> {
 }
 
 /// Which paths of its class a stratum holds.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Held {
     /// All; the light end is drawn again within its part.
     All,

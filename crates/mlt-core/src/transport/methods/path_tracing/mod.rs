@@ -13,6 +13,7 @@ use crate::transport::scene::View;
 pub use tracer::PathTracer;
 
 /// Path tracing, as often in every pixel.
+#[derive(Debug)]
 pub struct PathTracing<'a> {
     view: View<'a>,
     settings: Settings,

@@ -24,7 +24,7 @@ const CERTAIN_BOUNCES: usize = 4;
 const SURVIVAL: (f32, f32) = (0.05, 0.95);
 
 /// The sampler of radiance along camera rays.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct PathTracer<'a> {
     /// Scene and camera.
     pub view: View<'a>,

@@ -13,6 +13,7 @@ use crate::transport::methods::target::importance;
 use crate::transport::scene::View;
 
 /// Chains over random numbers, whatever is made of them.
+#[derive(Debug)]
 pub(super) struct PrimaryChains<'a> {
     view: View<'a>,
     settings: Settings,

@@ -72,7 +72,7 @@ impl Techniques {
 }
 
 /// F(u) = q_j w_s f / (p_s P(k) P(s | k)) of one path of k edges, made with s vertices from the light.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Multiplexed<'a, I> {
     /// Where.
     pub part: Part<'a, I>,
@@ -175,6 +175,7 @@ impl<I> Multiplexed<'_, I> {
 }
 
 /// Stratified Metropolis over the random numbers of single paths.
+#[derive(Debug)]
 pub struct Mmlt<'a> {
     chains: PrimaryChains<'a>,
     techniques: Techniques,

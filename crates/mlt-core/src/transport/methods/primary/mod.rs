@@ -19,6 +19,7 @@ pub use mmlt::{Mmlt, Multiplexed, Technique, Techniques};
 pub use pssmlt::{AllConnections, Pssmlt, Splats};
 
 /// State that the two tracers share: a part of path space, and the scalar that its chains sample.
+#[derive(Debug)]
 pub struct Part<'a, I> {
     /// Scene and camera.
     pub view: View<'a>,

@@ -22,7 +22,7 @@ const LARGE_STEPS: f64 = 0.3;
 const STREAMS: usize = 2;
 
 /// F(u) = Σ_{s,t} q_j w_s f / p_s over the connections of the two subpaths.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct AllConnections<'a, I> {
     /// Where.
     pub part: Part<'a, I>,
@@ -78,6 +78,7 @@ impl<I: Importance<LightPath>> Tracer<STREAMS> for AllConnections<'_, I> {
 }
 
 /// Stratified Metropolis over the random numbers of bidirectional samples.
+#[derive(Debug)]
 pub struct Pssmlt<'a> {
     chains: PrimaryChains<'a>,
     shares: Vec<Share>,

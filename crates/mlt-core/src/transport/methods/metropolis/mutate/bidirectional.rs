@@ -32,7 +32,7 @@ const CHANGE: [f64; 3] = [0.5, 0.15, 0.05];
 const CHANCE: f64 = 0.25;
 
 /// Deletes a subpath and traces a new one; what replaces the light end starts on the stratum.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct BidirectionalMutation<'a> {
     /// Scene and camera.
     pub view: View<'a>,

@@ -18,7 +18,7 @@ use crate::transport::scene::View;
 use rand_pcg::rand_core::Rng;
 
 /// Turns the direction that a caustic comes from.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct CausticPerturbation<'a> {
     /// Scene and camera.
     pub view: View<'a>,

@@ -119,7 +119,7 @@ impl LogUniform {
 }
 
 /// Perturbations that begin at the camera: the camera ray is moved, and what leaves a diffuse vertex is turned.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct FromEye<'a> {
     view: View<'a>,
     moves: ImageMove,

@@ -18,7 +18,7 @@ use crate::transport::scene::View;
 use rand_pcg::rand_core::Rng;
 
 /// Moves the camera ray.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct LensPerturbation<'a> {
     from_eye: FromEye<'a>,
 }

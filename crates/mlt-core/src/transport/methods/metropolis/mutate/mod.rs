@@ -22,7 +22,7 @@ pub use multi_chain::MultiChainPerturbation;
 pub use perturbations::Perturbations;
 
 /// One of the mutations, chosen without a virtual call.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub enum PathMutation<'a> {
     /// Deletes a subpath and traces a new one.
     Bidirectional(BidirectionalMutation<'a>),

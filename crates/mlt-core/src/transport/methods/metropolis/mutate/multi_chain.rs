@@ -27,7 +27,7 @@ use rand_pcg::rand_core::Rng;
 const FURTHER: f64 = 0.5;
 
 /// Moves the camera ray and turns the directions behind it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct MultiChainPerturbation<'a> {
     from_eye: FromEye<'a>,
 }
