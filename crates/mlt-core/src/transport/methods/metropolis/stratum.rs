@@ -46,7 +46,7 @@ impl<'a> LightStratum<'a> {
 
     /// The products of the lights' parts and of classes; after them, what is met by chance, where there are several parts and a
     /// specular surface. Its lengths are one class.
-    pub fn product(strata: &'a LightStrata, view: View<'a>, max_edges: usize, classes: Classes) -> Vec<Self> {
+    pub(crate) fn product(strata: &'a LightStrata, view: View<'a>, max_edges: usize, classes: Classes) -> Vec<Self> {
         let specular = view.scene.needs().specular;
         let apart = specular && strata.regions().len() > 1;
         let of_part = |index: usize| {
@@ -66,13 +66,19 @@ impl<'a> LightStratum<'a> {
     }
 
     /// The paths of some kinds in each of the lights' parts, where there are any kinds.
-    pub fn of_kinds(strata: &'a LightStrata, kinds: &[Kinds], view: View<'a>, max_edges: usize) -> Vec<Self> {
+    pub(crate) fn of_kinds(strata: &'a LightStrata, kinds: &[Kinds], view: View<'a>, max_edges: usize) -> Vec<Self> {
         let lit = kinds.iter().enumerate().filter(|(_, kinds)| !kinds.is_empty());
         lit.map(|(index, &kinds)| Self::of_part(strata, index, kinds, view, max_edges)).collect()
     }
 
     /// The paths of some kinds in one of the lights' parts.
-    pub fn of_part(strata: &'a LightStrata, index: usize, kinds: Kinds, view: View<'a>, max_edges: usize) -> Self {
+    pub(crate) fn of_part(
+        strata: &'a LightStrata,
+        index: usize,
+        kinds: Kinds,
+        view: View<'a>,
+        max_edges: usize,
+    ) -> Self {
         let part = (Held::Part(index as u32), &strata.regions()[index]);
         Self::new(strata, part, PathClass::of_kinds(kinds), view, max_edges)
     }
@@ -90,19 +96,24 @@ impl<'a> LightStratum<'a> {
     }
 
     /// All paths in one stratum whose chains change the light end within the parts of `strata`. `whole`: all lights.
-    pub fn mutation_only(strata: &'a LightStrata, whole: &'a LightRegion, view: View<'a>, max_edges: usize) -> Self {
+    pub(crate) fn mutation_only(
+        strata: &'a LightStrata,
+        whole: &'a LightRegion,
+        view: View<'a>,
+        max_edges: usize,
+    ) -> Self {
         let class = PathClass::of_kinds(Kinds::ALL);
         let sampler = Bidirectional { view, region: whole, max_edges };
         Self { strata, held: Held::All, class, everything: true, sampler }
     }
 
     /// Where x_0 is drawn.
-    pub fn region(&self) -> &'a LightRegion {
+    pub(crate) fn region(&self) -> &'a LightRegion {
         self.sampler.region
     }
 
     /// Where the light end of a path that starts at `point` is drawn again.
-    pub fn region_at(&self, point: &LightPoint) -> &'a LightRegion {
+    pub(crate) fn region_at(&self, point: &LightPoint) -> &'a LightRegion {
         match self.held {
             Held::All => &self.strata.regions()[self.strata.index(point) as usize],
             _ => self.sampler.region,
@@ -111,41 +122,41 @@ impl<'a> LightStratum<'a> {
 
     /// Whether [`region_at`](Self::region_at) is the same for both points, for points of this stratum.
     #[inline]
-    pub fn same_region(&self, a: &LightPoint, b: &LightPoint) -> bool {
+    pub(crate) fn same_region(&self, a: &LightPoint, b: &LightPoint) -> bool {
         self.held != Held::All || self.strata.index(a) == self.strata.index(b)
     }
 
     /// Scene and camera.
-    pub fn view(&self) -> &View<'a> {
+    pub(crate) fn view(&self) -> &View<'a> {
         &self.sampler.view
     }
 
     /// A uniform point of the stratum's part of the image, where the camera's end of a path is drawn again.
     #[inline]
-    pub fn image_point(&self, rng: &mut impl Rng) -> Vec2 {
+    pub(crate) fn image_point(&self, rng: &mut impl Rng) -> Vec2 {
         let [low, high] = self.image_corners();
         low + (high - low) * Vec2::new(uniform_f32(rng), uniform_f32(rng))
     }
 
     /// The corners of that part with the smallest and the largest coordinates.
     #[inline]
-    pub fn image_corners(&self) -> [Vec2; 2] {
+    pub(crate) fn image_corners(&self) -> [Vec2; 2] {
         [self.class.low, self.class.high]
     }
 
     /// Area of that part, of an image of 1.
     #[inline]
-    pub fn image_area(&self) -> f64 {
+    pub(crate) fn image_area(&self) -> f64 {
         self.class.area()
     }
 
     /// Whether it holds what is met by chance, and nothing else.
-    pub fn is_met(&self) -> bool {
+    pub(crate) fn is_met(&self) -> bool {
         self.held == Held::Met
     }
 
     /// Most edges of a path.
-    pub fn max_edges(&self) -> usize {
+    pub(crate) fn max_edges(&self) -> usize {
         self.sampler.max_edges
     }
 }
