@@ -1,4 +1,8 @@
 //! Sums in fixed point, which come out the same in any order.
+//!
+//! They take 128 bits. Pixels from 10⁻¹⁰ of an image's mean to 10⁵ of it, in up to 10⁶ samples, span 2⁷⁰, and their squares 2¹²⁰: in
+//! 64 bits of fixed point a pixel of 86 times the mean would leave the range after 10⁶ samples with a quantum of 10⁻¹¹ of the mean.
+//! Floating point has the range, but its sums depend on their order.
 
 use super::{DecodeError, Reader};
 
@@ -102,9 +106,24 @@ pub(super) const ROUNDING: f64 = 0.5 / QUANTA;
 #[inline]
 fn quantise(x: f64) -> i128 {
     let scaled = x * QUANTA;
-    // Most values fit 64 bits, whose conversion is one instruction.
-    let nearest = scaled + 0.5f64.copysign(scaled);
-    if nearest.abs() < 9.0e18 { i128::from(nearest as i64) } else { nearest as i128 }
+    integer(scaled + 0.5f64.copysign(scaled))
+}
+
+/// `x as i128`, without the call that it is.
+#[inline]
+fn integer(x: f64) -> i128 {
+    const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
+    let magnitude = x.to_bits() & (u64::MAX >> 1);
+    match (magnitude >> MANTISSA) as u32 {
+        // Less than 2⁶³, and so on up to 2¹²⁷.
+        ..1086 => i128::from(x as i64),
+        exponent @ 1086..1150 => {
+            let digits = magnitude & ((1 << MANTISSA) - 1) | 1 << MANTISSA;
+            let shifted = i128::from(digits) << (exponent - 1023 - MANTISSA);
+            if x < 0.0 { -shifted } else { shifted }
+        }
+        _ => x as i128,
+    }
 }
 
 fn dequantise(sum: i128) -> f64 {
@@ -117,4 +136,22 @@ fn put(to: &mut Vec<u8>, sums: &[i128]) {
 
 fn get(from: &mut Reader) -> Result<i128, DecodeError> {
     from.bytes().map(i128::from_le_bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_integer_is_what_the_cast_gives() {
+        let mut values = vec![0.0, f64::NAN, f64::INFINITY, f64::MAX, f64::MIN_POSITIVE];
+        for exponent in -4..140 {
+            let power = libm::exp2(f64::from(exponent));
+            let below = f64::from_bits(power.to_bits() - 1);
+            values.extend([power, below, 1.3 * power, 1.999_999_999_7 * power, f64::from_bits(power.to_bits() + 1)]);
+        }
+        for value in values.into_iter().flat_map(|value| [value, -value]) {
+            assert_eq!(integer(value), value as i128, "{value:e}");
+        }
+    }
 }
