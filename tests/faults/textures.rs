@@ -71,7 +71,7 @@ impl Scene {
         let document = json!({
             "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0, 1, 2] }],
             "nodes": [{ "mesh": 0 }, { "mesh": 1 }, { "camera": 0, "translation": [0, 0, 1] }],
-            "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.570_796_3, "znear": 0.1 } }],
+            "cameras": [{ "type": "perspective", "perspective": { "yfov": std::f64::consts::FRAC_PI_2, "znear": 0.1 } }],
             "materials": [self.material, self.walls],
             "meshes": [{ "primitives": [{ "attributes": attributes, "indices": 4, "material": 0 }] },
                        { "primitives": [{ "attributes": { "POSITION": 2 }, "indices": 5, "material": 1 }] }],

@@ -108,7 +108,10 @@ impl Scene {
         let mesh_of: Vec<_> = (0..).zip(meshes).flat_map(|(i, m)| std::iter::repeat_n(i, m.triangles.len())).collect();
         let ties = Ties::resolve(&mut primitives, materials, &mesh_of);
         let overlaps = ties.overlaps().map(|pair| pair.map(|mesh| description.surface_name(mesh))).collect();
-        let attributes = needs.textured.then(|| Attributes::take(&mut description.meshes, mesh_of)).unwrap_or_default();
+        let attributes = match needs.textured {
+            true => Attributes::take(&mut description.meshes, mesh_of),
+            false => Attributes::default(),
+        };
         description.meshes = Vec::new();
         let sphere = Sphere::around(triangles.iter().flatten().copied());
         let SceneDescription { mut materials, textures, environment, .. } = description;

@@ -108,6 +108,7 @@ impl<'a> LightStratum<'a> {
     }
 
     /// Where x_0 is drawn.
+    #[cfg(test)]
     pub(crate) fn region(&self) -> &'a LightRegion {
         self.sampler.region
     }

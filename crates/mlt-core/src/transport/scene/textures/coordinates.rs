@@ -2,7 +2,7 @@
 
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
-use glam::{Vec2, Vec3, Vec3A, Vec4, Vec4Swizzles};
+use glam::{Vec2, Vec3A, Vec4, Vec4Swizzles};
 
 /// What a mesh's textures are placed by, interpolated to one point.
 #[derive(Clone, Copy, Debug)]
@@ -113,6 +113,6 @@ where
 impl Coordinates {
     /// The vertices' colour.
     pub(crate) fn rgb(&self) -> Rgb {
-        Vec3::from(self.colour.xyz())
+        self.colour.xyz()
     }
 }
