@@ -7,7 +7,7 @@ use crate::transport::colour::{Rgb, luminance};
 use crate::transport::image::mean_luminance;
 use crate::transport::lights::{LightRegion, LightStrata, Stratification};
 use crate::transport::methods::metropolis::LightStratum;
-use crate::transport::methods::{Counts, Method, Settings};
+use crate::transport::methods::{Method, Settings};
 use crate::transport::paths::mis::Ends;
 use crate::transport::paths::subpath::{
     light_numbers, start_at_eye, start_at_light, start_near, step_from_eye, step_from_light,
@@ -196,9 +196,9 @@ fn settings(method: Method, strata: Stratification) -> Settings {
 /// Mean luminance of an image and its standard error.
 fn mean_of(world: &World, settings: Settings) -> [f64; 2] {
     let renderer = Renderer::new(world.view(), settings);
-    let (mut film, mut counts) = (renderer.film(), Counts::default());
-    renderer.render(0..24, &mut film, &mut counts, &mut |_, _| ControlFlow::Continue(()));
-    let mean = mean_luminance(&film);
+    let mut sums = renderer.sums();
+    renderer.render(0..24, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    let mean = mean_luminance(&sums.into_parts().0);
     [mean.mean, mean.stderr]
 }
 
