@@ -5,6 +5,7 @@
 mod choice;
 mod controls;
 mod energy;
+mod environment;
 mod errors;
 mod geometry;
 mod gltf;

@@ -14,11 +14,13 @@ fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// A scene as its file has it, with no sky where it is dark.
+/// A scene that is to be refused gets no sky.
 fn loaded(scene: &Scene) -> Loaded {
     let folder = tempfile::tempdir().unwrap();
     let mut options = LoadOptions::default();
-    options.environment.source = EnvironmentSource::None;
+    if scene.outcome == Outcome::Refused {
+        options.environment.source = EnvironmentSource::None;
+    }
     let path = scene.write(folder.path()).unwrap();
     open_within(path, &options, &Memory::unlimited()).unwrap_or_else(|error| panic!("{}: {error}", scene.name))
 }

@@ -5,7 +5,7 @@
 //!
 //! A light subpath starts with a direction ω and a ray that goes along −ω from a uniform point of the disc of radius R that faces the scene
 //! from there, R being that of a sphere around the scene: so M = π R² L, the power per solid angle, and x_1 has the density |cosθ_1|/(π R²)
-//! per area. docs/theory.md, "Distant light".
+//! per area. docs/theory-lights.md.
 
 mod distribution;
 mod surroundings;
