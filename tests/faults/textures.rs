@@ -193,6 +193,26 @@ fn an_unlit_surface_shows_its_colour_in_any_light() {
     scene.expect(mean_grey());
 }
 
+/// A solid of index 1 before the camera, of which the walls are seen through.
+#[test]
+fn a_solid_leaves_of_light_what_its_depth_says() {
+    let glass = json!({ "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1 },
+            "KHR_materials_volume": { "attenuationDistance": 2, "attenuationColor": [0.25, 0.25, 0.25] } },
+        "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0 } });
+    // The walls are 4 from the quad's middle; it is the face of a solid that ends there.
+    let scene = Scene::furnace(glass, Vec::new());
+    let found = scene.render("pt --samples-per-pixel 256");
+    // The mean over the view of 0.25^(d/2), by the midpoint rule; d to the first wall that is met.
+    let share = |i: u32| f64::from(2 * i + 1) / 256.0 - 1.0;
+    let depth = |x: f64, y: f64| [x, y].iter().map(|x| (4.0 - x.abs()) / x.abs()).fold(4.0, f64::min);
+    let left = |x: f64, y: f64| 0.25f64.powf(0.5 * depth(x, y) * (1.0 + x * x + y * y).sqrt());
+    let mean = (0..256).map(|i| (0..256).map(|j| left(share(i), share(j))).sum::<f64>()).sum::<f64>() / 65536.0;
+    let (b, stderr) = found.b();
+    assert!((b - mean).abs() < 1e-3 + 4.5 * stderr, "{b} ± {stderr}, not {mean}: {}", found.said);
+    scene.expect(mean);
+    scene.expect_not(1.0);
+}
+
 /// A metal in a furnace shows its colour whatever its roughness, and a dielectric white.
 #[test]
 fn metalness_and_roughness_vary_over_a_surface() {

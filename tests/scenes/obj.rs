@@ -122,12 +122,12 @@ fn a_missing_library_or_material_is_grey_with_a_warning() {
 
 #[test]
 fn materials_warn_about_what_they_cannot_say() {
-    let loaded = load_with("f 1 2 3", "newmtl m\nKd 2 0 0\nmap_opacity a.png\nPs 1\ndisp c.png").unwrap();
+    let loaded = load_with("f 1 2 3", "newmtl m\nKd 2 0 0\nmap_opacity a.png\naniso 1\ndisp c.png").unwrap();
     assert_eq!(
         loaded.warnings,
         [
             "material `m`: Kd is [2, 0, 0]; [1, 0, 0] is taken instead",
-            "material `m`: not supported and left out: Ps, disp, map_opacity"
+            "material `m`: not supported and left out: aniso, disp, map_opacity"
         ]
     );
     let grey = load_with("f 1 2 3", "newmtl m\nKd 0.25").unwrap();

@@ -4,7 +4,7 @@ use crate::support::{Document, f32s, load_files};
 use image::{DynamicImage, ImageFormat, RgbImage, RgbaImage};
 use mlt_core::memory::Memory;
 use mlt_core::transport::scene::Material;
-use mlt_scene::{LoadOptions, Loaded, open_within};
+use mlt_scene::{Glass, LoadOptions, Loaded, open_within};
 use serde_json::json;
 use std::io::Cursor;
 
@@ -209,4 +209,26 @@ fn colours_of_obj_vertices_are_those_of_a_display() {
     assert!(is_textured(&loaded) && loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     let some = load_files(&[("scene.obj", format!("{coloured}v 1 1 0\nf 1 2 4\n").as_bytes())]).unwrap();
     assert!(some.description.meshes[0].colours.is_empty() && some.warnings.len() == 1, "{:?}", some.warnings);
+}
+
+/// Two materials that differ in nothing but their walls' thickness: a closed one and an open one.
+#[test]
+fn glass_is_solid_where_its_mesh_is_closed() {
+    let folder = tempfile::tempdir().unwrap();
+    let glass = json!({ "KHR_materials_transmission": { "transmissionFactor": 1 } });
+    let open = Document::new()
+        .with("/materials/0/extensions", glass)
+        .with("/materials/0/pbrMetallicRoughness", json!({ "metallicFactor": 0, "roughnessFactor": 0 }));
+    open.write(folder.path());
+    let load = |glass| {
+        let options = LoadOptions { glass, ..LoadOptions::default() };
+        let loaded = open_within(folder.path().join("scene.gltf"), &options, &Memory::unlimited()).unwrap();
+        let scene = &loaded.description;
+        format!("{:?}", scene.materials[scene.meshes[0].material as usize].bsdf)
+    };
+    let found = [Glass::Auto, Glass::Thin, Glass::Solid].map(load);
+    assert!(
+        found[0].starts_with("Thin") && found[1].starts_with("Thin") && found[2].starts_with("Dielectric"),
+        "{found:?}"
+    );
 }

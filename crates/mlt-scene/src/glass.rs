@@ -29,14 +29,16 @@ pub(crate) fn settle(scene: &mut SceneDescription, glass: Glass, warnings: &mut 
     let SceneDescription { meshes, materials, .. } = scene;
     for mesh in meshes {
         let thin = mesh.material;
+        let passes_light = materials[thin as usize].bsdf.is_transmissive();
+        if !passes_light || (glass == Glass::Auto && !is_closed(mesh)) {
+            continue;
+        }
         let known = *solids.entry(thin).or_insert_with(|| {
             let solid = materials[thin as usize].solid()?;
             materials.push(solid);
             Some(materials.len() as u32 - 1)
         });
-        if let Some(solid) = known.filter(|_| glass == Glass::Solid || is_closed(mesh)) {
-            mesh.material = solid;
-        }
+        mesh.material = known.unwrap_or(thin);
     }
     if glass == Glass::Auto {
         warnings.extend(notes(scene, &solids));

@@ -1,7 +1,7 @@
 //! glTF's materials.
 
 use super::{
-    texture::{Files, Slot, Slots},
+    texture::{CLEARCOAT, Files, SHEEN, Slot, Slots},
     unsupported,
 };
 use crate::{SceneError, images::Images, range::Range, text::shown};
@@ -88,7 +88,9 @@ impl Converter<'_> {
             maps = Maps { emission: maps.base_color, opacity: maps.opacity, ..unlit(self.coloured) };
         }
         let emits_both_sides = source.double_sided();
-        Material { name, emission, emits_both_sides, opacity, ..Material::default() }.scattering(factors, maps, alpha)
+        let absorption = absorption(source);
+        Material { name, emission, emits_both_sides, opacity, absorption, ..Material::default() }
+            .scattering(factors, maps, alpha)
     }
 
     fn map(&mut self, slot: Option<Slot>, encoding: Encoding) -> Option<Map> {
@@ -114,6 +116,10 @@ impl Converter<'_> {
             specular_color: self.map(slots.specular_color, Encoding::Srgb),
             emission: self.map(slots.emission, Encoding::Srgb),
             normal: self.map(normal, Encoding::Linear).zip(scale).map(|(map, scale)| NormalMap { map, scale }),
+            clearcoat: self.channel(slots.clearcoat, 0),
+            clearcoat_roughness: self.channel(slots.clearcoat_roughness, 1),
+            sheen_color: self.map(slots.sheen_color, Encoding::Srgb),
+            sheen_roughness: self.channel(slots.sheen_roughness, 3),
             vertex_colours: self.coloured,
             ..Maps::default()
         }
@@ -154,6 +160,10 @@ fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
     let specular = source.specular();
     let specular_color = specular.as_ref().map_or([1.0; 3], |s| s.specular_color_factor());
     let transmission = source.transmission().map_or(0.0, |t| t.transmission_factor());
+    let factor = |extension: &str, name: &str| {
+        let value = source.extension_value(extension).and_then(|value| value.get(name)?.as_f64());
+        value.map_or(0.0, |x| x as f32)
+    };
     MetallicRoughness {
         base_color: range.colour("the base colour", Rgb::new(r, g, b), 1.0),
         metallic: range.number("the metallic factor", pbr.metallic_factor(), SHARE),
@@ -163,7 +173,34 @@ fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
         specular_color: range.colour("the specular colour", Rgb::from_array(specular_color), 1e6),
         transmission: range.number("the transmission", transmission, SHARE),
         thin: source.volume().is_none(),
+        clearcoat: range.number("the clearcoat factor", factor(CLEARCOAT, "clearcoatFactor"), SHARE),
+        clearcoat_roughness: range.number(
+            "the clearcoat's roughness",
+            factor(CLEARCOAT, "clearcoatRoughnessFactor"),
+            SHARE,
+        ),
+        sheen_color: range.colour("the sheen's colour", colour(source, SHEEN, "sheenColorFactor"), 1.0),
+        sheen_roughness: range.number("the sheen's roughness", factor(SHEEN, "sheenRoughnessFactor"), SHARE),
     }
+}
+
+/// A colour of an extension that the parser does not know; black if it is not there.
+fn colour(source: &gltf::Material, extension: &str, name: &str) -> Rgb {
+    let value = source.extension_value(extension).and_then(|value| value.get(name));
+    let channel = |i: usize| value.and_then(|value| value.get(i)?.as_f64()).map_or(0.0, |x| x as f32);
+    Rgb::new(channel(0), channel(1), channel(2))
+}
+
+/// σ of KHR_materials_volume: of what goes as far as attenuationDistance, attenuationColor is left.
+fn absorption(source: &gltf::Material) -> Rgb {
+    /// What is left of a channel at least, so that σ is finite.
+    const LEAST: f32 = 1e-6;
+    let transmits = source.transmission().is_some_and(|t| t.transmission_factor() > 0.0);
+    let Some(volume) = source.volume().filter(|_| transmits) else { return Rgb::ZERO };
+    let distance = volume.attenuation_distance();
+    let sigma = |left: f32| -libm::logf(left.clamp(LEAST, 1.0)) / distance;
+    let is_clear = !(distance > 0.0 && distance.is_finite());
+    if is_clear { Rgb::ZERO } else { Rgb::from_array(volume.attenuation_color().map(sigma)) }
 }
 
 #[cfg(test)]
@@ -203,6 +240,7 @@ mod tests {
             specular_color: Rgb::new(0.8, 0.9, 2.0),
             transmission: 0.25,
             thin: true,
+            ..MetallicRoughness::default()
         };
         assert_eq!(all, expected);
     }

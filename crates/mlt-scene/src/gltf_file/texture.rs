@@ -17,6 +17,12 @@ const UNREAD_FORMATS: [&str; 3] = ["KHR_texture_basisu", "EXT_texture_avif", "MS
 /// The extension that moves a texture on its surface.
 const TRANSFORM: &str = "KHR_texture_transform";
 
+/// The extension for a clear coat.
+pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
+
+/// The extension for velvet.
+pub(super) const SHEEN: &str = "KHR_materials_sheen";
+
 /// A material's use of a texture.
 #[derive(Clone, Copy)]
 pub(super) struct Slot {
@@ -37,6 +43,10 @@ pub(super) struct Slots {
     pub transmission: Option<Slot>,
     pub specular: Option<Slot>,
     pub specular_color: Option<Slot>,
+    pub clearcoat: Option<Slot>,
+    pub clearcoat_roughness: Option<Slot>,
+    pub sheen_color: Option<Slot>,
+    pub sheen_roughness: Option<Slot>,
 }
 
 impl Slots {
@@ -58,16 +68,19 @@ impl Slots {
             transmission: material.transmission().and_then(|t| t.transmission_texture()).map(Slot::typed),
             specular: specular.and_then(|s| s.specular_texture()).map(Slot::typed),
             specular_color: specular.and_then(|s| s.specular_color_texture()).map(Slot::typed),
+            clearcoat: Slot::raw(material, CLEARCOAT, "clearcoatTexture"),
+            clearcoat_roughness: Slot::raw(material, CLEARCOAT, "clearcoatRoughnessTexture"),
+            sheen_color: Slot::raw(material, SHEEN, "sheenColorTexture"),
+            sheen_roughness: Slot::raw(material, SHEEN, "sheenRoughnessTexture"),
         }
     }
 
     /// Each that is there.
     pub fn iter(&self) -> impl Iterator<Item = Slot> {
-        let Self { base_color, metallic_roughness, normal, emission, transmission, specular, specular_color } = self;
-        let normal = normal.map(|(slot, _)| slot);
-        [*base_color, *metallic_roughness, normal, *emission, *transmission, *specular, *specular_color]
-            .into_iter()
-            .flatten()
+        let base = [self.base_color, self.metallic_roughness, self.normal.map(|(slot, _)| slot), self.emission];
+        let extensions = [self.transmission, self.specular, self.specular_color];
+        let layers = [self.clearcoat, self.clearcoat_roughness, self.sheen_color, self.sheen_roughness];
+        base.into_iter().chain(extensions).chain(layers).flatten()
     }
 }
 
@@ -79,6 +92,15 @@ impl Slot {
             transform = placement(found.offset().into(), found.rotation(), found.scale().into());
         }
         Self { texture: info.texture().index(), set, transform }
+    }
+
+    /// Of an extension that the parser does not know.
+    fn raw(material: &Material, extension: &str, name: &str) -> Option<Self> {
+        let info = material.extension_value(extension)?.get(name)?;
+        let index = |key: &str| info.get(key).and_then(Value::as_u64);
+        let transform = info.get("extensions").and_then(|extensions| extensions.get(TRANSFORM));
+        let set = index("texCoord").unwrap_or(0) as u32;
+        Some(Self::new(index("index")? as usize, set, transform.unwrap_or(&Value::Null)))
     }
 
     /// With the content of [`TRANSFORM`].

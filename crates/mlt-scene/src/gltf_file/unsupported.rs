@@ -1,6 +1,9 @@
 //! Features of a glTF file that change the image and are not rendered, in words.
 
-use super::graph::{Placed, place};
+use super::{
+    graph::{Placed, place},
+    texture::{CLEARCOAT, SHEEN},
+};
 use crate::text::shown;
 use gltf::{Document, Material, Node};
 use std::collections::BTreeSet;
@@ -10,8 +13,10 @@ const KNOWN: &[&str] = &[
     "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
@@ -85,13 +90,11 @@ pub(super) fn lights(nodes: &[Placed]) -> usize {
 
 /// Of one material.
 pub(super) fn in_material(material: &Material) -> Option<String> {
-    let (volume, specular) = (material.volume(), material.specular());
-    let absorbs = |v: &gltf::material::Volume| {
-        v.attenuation_distance().is_finite() && v.attenuation_color().iter().any(|&c| c < 1.0)
-    };
+    let specular = material.specular();
     let glossy = |s: &gltf::material::Specular| s.specular_factor() != 1.0 || s.specular_color_factor() != [1.0; 3];
+    let has = |extension, name| material.extension_value(extension).is_some_and(|value| value.get(name).is_some());
     let features = [
-        (volume.as_ref().is_some_and(absorbs), "attenuation in the volume"),
+        (has(CLEARCOAT, "clearcoatNormalTexture"), "clearcoatNormalTexture"),
         (
             transmits(material) && specular.as_ref().is_some_and(glossy),
             "KHR_materials_specular of what transmits light",
@@ -99,7 +102,7 @@ pub(super) fn in_material(material: &Material) -> Option<String> {
     ];
     let features = features.iter().filter(|f| f.0).map(|f| f.1.to_owned());
     let names = material.extensions().into_iter().flat_map(|map| map.keys());
-    let extensions = names.filter(|name| *name != UNLIT).map(|name| shown(name));
+    let extensions = names.filter(|name| ![UNLIT, CLEARCOAT, SHEEN].contains(&name.as_str())).map(|name| shown(name));
     sentence(&place_of(material), features.chain(extensions).collect())
 }
 

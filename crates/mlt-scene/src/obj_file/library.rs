@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 const COLOURS: [&str; 4] = ["Kd", "Ks", "Ke", "Tf"];
 
 /// Statements with one number.
-const NUMBERS: [&str; 6] = ["Ns", "Ni", "d", "Tr", "Pr", "Pm"];
+const NUMBERS: [&str; 9] = ["Ns", "Ni", "d", "Tr", "Pr", "Pm", "Ps", "Pc", "Pcr"];
 
 /// Materials in the order of their libraries, and where each name in use is found.
 #[derive(Clone, Default)]

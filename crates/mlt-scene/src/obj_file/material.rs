@@ -34,7 +34,7 @@ pub(super) fn material(source: &tobj::Material, textures: Textures, warnings: &m
     let statements = textures.statements;
     let glows = statements.has("map_ke").then_some(Rgb::ONE);
     let emission = rgb(source.emissive).or(glows).map_or(Rgb::ZERO, |c| range.colour("Ke", c, 1e12));
-    let factors = parameters(source, &textures, &mut range);
+    let factors = layered(source, parameters(source, &textures, &mut range), &mut range);
     let opacity = if is_glass(source) { 1.0 } else { opacity(source, &mut range) };
     let unread = unread(source);
     if !unread.is_empty() {
@@ -115,6 +115,18 @@ fn parameters(source: &tobj::Material, textures: &Textures, range: &mut Range) -
     }
 }
 
+/// The same under the clear coat and the sheen of the `Pr`/`Pm` extension; sheen has the roughness that Blender gives it.
+fn layered(source: &tobj::Material, base: MetallicRoughness, range: &mut Range) -> MetallicRoughness {
+    let mut share = |key| range.number(key, number(source, key).unwrap_or(0.0), [0.0, 1.0]);
+    MetallicRoughness {
+        clearcoat: share("Pc"),
+        clearcoat_roughness: share("Pcr"),
+        sheen_color: Rgb::splat(share("Ps")),
+        sheen_roughness: 0.5,
+        ..base
+    }
+}
+
 /// A diffuse surface without any reflection above it.
 fn diffuse(base_color: Rgb) -> MetallicRoughness {
     MetallicRoughness { base_color, metallic: 0.0, specular: 0.0, ..MetallicRoughness::default() }
@@ -169,7 +181,7 @@ fn rgb(colour: Option<[f64; 3]>) -> Option<Rgb> {
 
 /// Statements that change the image and are not read.
 fn unread(source: &tobj::Material) -> Vec<String> {
-    const UNREAD: [&str; 8] = ["disp", "refl", "decal", "Ps", "Pc", "Pcr", "aniso", "anisor"];
+    const UNREAD: [&str; 5] = ["disp", "refl", "decal", "aniso", "anisor"];
     let is_unread = |key: &&String| key.starts_with("map_") || UNREAD.contains(&key.as_str());
     let mut names: Vec<_> = source.unknown_param.keys().filter(is_unread).cloned().collect();
     names.sort();

@@ -3,7 +3,8 @@
 use super::microfacet::Ggx;
 use super::rough_dielectric::RoughGlass;
 use super::{
-    Bsdf, Conductor, Dielectric, Facets, Glossy, Lambert, Lobe, Mirror, Mix, RoughDielectric, RoughThin, Thin,
+    Bsdf, Coat, Conductor, Dielectric, Facets, Glossy, Lambert, Layered, Lobe, Mirror, Mix, RoughDielectric, RoughThin,
+    Sheen, Thin,
 };
 use crate::transport::colour::Rgb;
 
@@ -16,7 +17,7 @@ pub const MIXED_ALPHA: f32 = 1e-4;
 /// An interface with |ior - 1| up to this does not bend light.
 pub(super) const INDEX_MATCHED: f32 = 1e-3;
 
-/// Constant factors of a glTF 2.0 material with KHR_materials_ior, _specular, _transmission and _volume.
+/// Constant factors of a glTF 2.0 material with KHR_materials_ior, _specular, _transmission, _volume, _clearcoat and _sheen.
 ///
 /// Values out of range are clamped, those that are not numbers count as the default. Left out: `specular` and
 /// `specular_color` on what transmits, which reflects as `ior` says.
@@ -38,6 +39,14 @@ pub struct MetallicRoughness {
     pub transmission: f32,
     /// A wall without volume behind it (no KHR_materials_volume).
     pub thin: bool,
+    /// clearcoatFactor ∈ [0, 1].
+    pub clearcoat: f32,
+    /// clearcoatRoughnessFactor ∈ [0, 1].
+    pub clearcoat_roughness: f32,
+    /// sheenColorFactor ∈ [0, 1].
+    pub sheen_color: Rgb,
+    /// sheenRoughnessFactor ∈ [0, 1].
+    pub sheen_roughness: f32,
 }
 
 impl Default for MetallicRoughness {
@@ -52,6 +61,10 @@ impl Default for MetallicRoughness {
             specular_color: Rgb::ONE,
             transmission: 0.0,
             thin: true,
+            clearcoat: 0.0,
+            clearcoat_roughness: 0.0,
+            sheen_color: Rgb::ZERO,
+            sheen_roughness: 0.0,
         }
     }
 }
@@ -83,6 +96,10 @@ impl MetallicRoughness {
             specular_color: clamped_rgb(self.specular_color, f32::MAX),
             transmission: if ior == 0.0 { 0.0 } else { clamped(self.transmission, 1.0, 0.0) },
             thin: self.thin,
+            clearcoat: clamped(self.clearcoat, 1.0, 0.0),
+            clearcoat_roughness: clamped(self.clearcoat_roughness, 1.0, 0.0),
+            sheen_color: clamped_rgb(self.sheen_color, 1.0),
+            sheen_roughness: clamped(self.sheen_roughness, 1.0, 0.0),
         }
     }
 
@@ -94,6 +111,10 @@ impl MetallicRoughness {
 
     /// The same; `rough`: no lobe is perfectly smooth.
     fn convert(&self, made: &impl Microsurfaces, rough: bool) -> Bsdf {
+        if self.is_layered() {
+            let alpha = (self.roughness * self.roughness).max(MIXED_ALPHA);
+            return Bsdf::Layered(self.layers(made, self.mix(made, Ggx { alpha })));
+        }
         let alpha = self.roughness * self.roughness;
         let alpha_of_lobe = if !rough && self.is_single_lobe() { alpha } else { alpha.max(MIXED_ALPHA) };
         let ggx = (alpha_of_lobe >= SMOOTH_ALPHA).then_some(Ggx { alpha: alpha_of_lobe });
@@ -108,18 +129,37 @@ impl MetallicRoughness {
                 None if !rough => self.smooth_transmitter(),
                 lobe => lobe.unwrap_or_else(|| self.index_matched(made)).into(),
             },
-            Some(ggx) => {
-                let transmitter = || self.rough_transmitter(made, ggx).unwrap_or_else(|| self.index_matched(made));
-                let rest = (1.0 - metal) * (1.0 - self.transmission);
-                let part =
-                    |weight: f32, lobe: &dyn Fn() -> Option<Lobe>| (weight, if weight > 0.0 { lobe() } else { None });
-                let lobes = [
-                    part(rest, &opaque),
-                    part(clear, &|| Some(transmitter())),
-                    part(metal, &|| Some(self.metal(made, ggx))),
-                ];
-                Bsdf::Mix(Mix { lobes })
-            }
+            Some(ggx) => Bsdf::Mix(self.mix(made, ggx)),
+        }
+    }
+
+    /// All lobes of positive weight.
+    fn mix(&self, made: &impl Microsurfaces, ggx: Ggx) -> Mix {
+        let (metal, clear) = (self.metallic, (1.0 - self.metallic) * self.transmission);
+        let transmitter = || self.rough_transmitter(made, ggx).unwrap_or_else(|| self.index_matched(made));
+        let rest = (1.0 - metal) * (1.0 - self.transmission);
+        let part = |weight: f32, lobe: &dyn Fn() -> Option<Lobe>| (weight, if weight > 0.0 { lobe() } else { None });
+        let lobes = [
+            part(rest, &|| self.opaque(made, ggx.alpha)),
+            part(clear, &|| Some(transmitter())),
+            part(metal, &|| Some(self.metal(made, ggx))),
+        ];
+        Mix { lobes }
+    }
+
+    /// Something covers the base.
+    fn is_layered(&self) -> bool {
+        self.clearcoat > 0.0 || self.sheen_color != Rgb::ZERO
+    }
+
+    /// A coat of index 1.5 and fibres over a base.
+    fn layers(&self, made: &impl Microsurfaces, base: Mix) -> Layered {
+        let alpha = (self.clearcoat_roughness * self.clearcoat_roughness).max(MIXED_ALPHA);
+        let lobe = || Conductor::of(Rgb::splat(0.04), 1.0, made.facets(Ggx { alpha }));
+        Layered {
+            coat: (self.clearcoat > 0.0).then(|| Coat { lobe: lobe(), share: self.clearcoat }),
+            sheen: (self.sheen_color != Rgb::ZERO).then(|| Sheen::new(self.sheen_color, self.sheen_roughness)),
+            base,
         }
     }
 
@@ -209,7 +249,7 @@ impl Varying {
     /// For a surface whose factors are at most these; `lobes`: metalness or transmission vary; `roughness`: roughness does.
     pub fn new(most: &MetallicRoughness, lobes: bool, roughness: bool) -> Self {
         let m = most.valid();
-        let rough = lobes || roughness;
+        let rough = lobes || roughness || m.is_layered();
         let least = if rough || !m.is_single_lobe() { MIXED_ALPHA } else { SMOOTH_ALPHA }.sqrt();
         let most = m.roughness.max(least);
         let is_rough = rough || !m.is_single_lobe() || m.roughness * m.roughness >= SMOOTH_ALPHA;
@@ -293,6 +333,10 @@ mod tests {
                 specular_color: Rgb::splat(base),
                 transmission: specular,
                 thin: i % 2 == 0,
+                clearcoat: specular,
+                clearcoat_roughness: base,
+                sheen_color: Rgb::splat(factor(3)),
+                sheen_roughness: factor(2),
             };
             check(&m.bsdf());
         }

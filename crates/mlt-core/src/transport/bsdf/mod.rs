@@ -22,6 +22,7 @@ mod facets;
 pub mod fresnel;
 mod glossy;
 mod lambert;
+mod layered;
 mod metallic_roughness;
 pub mod microfacet;
 mod mirror;
@@ -29,6 +30,7 @@ mod mix;
 mod rough_dielectric;
 mod rough_interface;
 mod rough_thin;
+mod sheen;
 mod spread;
 #[cfg(test)]
 mod tests;
@@ -42,12 +44,14 @@ pub use dielectric::Dielectric;
 pub use facets::Facets;
 pub use glossy::Glossy;
 pub use lambert::Lambert;
+pub use layered::{Coat, Layered};
 pub use metallic_roughness::{MIXED_ALPHA, MetallicRoughness, SMOOTH_ALPHA, Varying};
 pub use mirror::Mirror;
 pub use mix::{Lobe, Mix};
 pub use rough_dielectric::{RoughDielectric, RoughGlass};
 pub use rough_interface::RoughInterface;
 pub use rough_thin::RoughThin;
+pub use sheen::Sheen;
 pub use thin::{Thin, slab_reflectance};
 
 /// Value of a BSDF for two directions.
@@ -98,6 +102,8 @@ pub enum Bsdf {
     RoughThin(RoughThin),
     /// Blend of lobes that are not delta.
     Mix(Mix),
+    /// A clear coat and fibres over a blend.
+    Layered(Layered),
 }
 
 impl Bsdf {
@@ -112,6 +118,7 @@ impl Bsdf {
         match self {
             Self::Dielectric(_) | Self::Thin(_) | Self::RoughDielectric(_) | Self::RoughThin(_) => true,
             Self::Mix(mix) => mix.is_transmissive(),
+            Self::Layered(layered) => layered.base.is_transmissive(),
             _ => false,
         }
     }
@@ -125,6 +132,10 @@ impl Bsdf {
                 None => Self::Dielectric(Dielectric { ior: wall.ior, tint: wall.tint }),
             }),
             Self::Mix(mix) => mix.solid().map(Self::Mix),
+            Self::Layered(layered) => {
+                let base = layered.base.solid()?;
+                Some(Self::Layered(Layered { base, ..*layered }))
+            }
             _ => None,
         }
     }
@@ -186,6 +197,7 @@ impl Bsdf {
             Self::RoughDielectric(b) => b.evaluate(n, to_light, to_eye),
             Self::RoughThin(b) => b.evaluate(n, to_light, to_eye),
             Self::Mix(b) => b.evaluate(n, to_light, to_eye),
+            Self::Layered(b) => b.evaluate(n, to_light, to_eye),
             _ => Evaluation::NOTHING,
         }
     }
@@ -204,6 +216,7 @@ impl Bsdf {
             Self::RoughDielectric(b) => b.sample(n, given, u),
             Self::RoughThin(b) => b.sample(n, given, u),
             Self::Mix(b) => b.sample(n, given, u),
+            Self::Layered(b) => b.sample(n, given, u),
         }
     }
 

@@ -163,6 +163,15 @@ mod rough {
         Bsdf::Mix(Mix { lobes })
     }
 
+    /// A coat over fibres over `mix`.
+    fn layered(alpha: f32) -> Bsdf {
+        let Bsdf::Mix(base) = mix(alpha) else { unreachable!() };
+        let lobe = Conductor::new(Rgb::splat(0.04), 1.0, Ggx { alpha });
+        let coat = Some(Coat { lobe, share: 0.7 });
+        let sheen = Some(Sheen::new(Rgb::new(0.3, 0.9, 0.5), alpha.sqrt()));
+        Bsdf::Layered(Layered { coat, sheen, base })
+    }
+
     /// Every kind that is not delta, with the index on the back side.
     fn all(alpha: f32) -> Vec<(Bsdf, f32)> {
         let ggx = Ggx { alpha };
@@ -175,6 +184,7 @@ mod rough {
             (glass(0.7), 0.7),
             (pane(), 1.0),
             (mix(alpha), 1.0),
+            (layered(alpha), 1.0),
         ]
     }
 
@@ -517,6 +527,10 @@ fn finite_whatever_the_input() {
                 specular_color: Rgb::ONE,
                 transmission: factor(&mut rng),
                 thin: rng.next_u32() % 2 == 0,
+                clearcoat: factor(&mut rng),
+                clearcoat_roughness: factor(&mut rng),
+                sheen_color: Rgb::splat(factor(&mut rng).round()),
+                sheen_roughness: factor(&mut rng),
             };
             m.bsdf()
         })

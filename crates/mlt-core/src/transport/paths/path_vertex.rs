@@ -21,7 +21,8 @@ pub struct PathVertex {
     pub cosines: [f32; 2],
     /// G(x_i, x_{i+1}) τ = |cosθ_i cosθ_{i+1}| τ / |x_i − x_{i+1}|², geometric normals.
     pub geometric_term: f64,
-    /// x_0: emitted radiance; x_k: W_e; between them f_s(x_{i−1} → x_i → x_{i+1}) |ω·N_s|/|ω·N_g|, ω towards x_{i−1}.
+    /// x_0: emitted radiance; x_k: W_e; between them f_s(x_{i−1} → x_i → x_{i+1}) |ω·N_s|/|ω·N_g|, ω towards x_{i−1};
+    /// the latter two times what solids leave of light from x_{i−1}.
     pub scatter: Rgb,
     /// Density per area of x_i, drawn from x_{i−1}; of x_0, in its light's measure: M, to be divided by the power of the region it is
     /// drawn from.
@@ -117,7 +118,7 @@ pub(super) fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<(
 pub(super) fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
     let [to_light, x, to_eye] = vertices.get_mut(i - 1..i + 2)? else { return None };
     let found = view.scene.surface(&x.vertex).evaluate(-to_light.to_eye, x.to_eye)?;
-    x.scatter = found.value;
+    x.scatter = found.value * view.scene.attenuation(&to_light.vertex, &x.vertex);
     to_eye.forward = x.per_area_there(found.pdf_to_eye);
     to_light.reverse = to_light.per_area_here(found.pdf_to_light);
     Some(())
@@ -128,7 +129,7 @@ pub(super) fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View)
 pub(super) fn set_sensitivity(vertices: &mut [PathVertex], view: &View) -> Option<()> {
     let [.., to_light, x] = vertices else { return None };
     let found = sensitivity(view, x, -to_light.to_eye)?;
-    x.scatter = found.value;
+    x.scatter = found.value * view.scene.attenuation(&to_light.vertex, &x.vertex);
     x.reverse = 1.0;
     to_light.reverse = to_light.per_area_here(found.pdf_to_light);
     Some(())

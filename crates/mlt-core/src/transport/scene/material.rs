@@ -17,6 +17,8 @@ pub struct Material {
     pub emits_both_sides: bool,
     /// Share of the surface that is there, α ∈ [0, 1]; through the rest light goes straight on. 0: there is no surface.
     pub opacity: f32,
+    /// σ of the solid behind the surface, per scene unit: see `scene::medium`; zero: it is clear, or there is none.
+    pub absorption: Rgb,
     /// Parameters that vary over the surface; `None`: none does.
     pub textured: Option<Box<Textured>>,
 }
@@ -30,6 +32,7 @@ impl Default for Material {
             emission: Rgb::ZERO,
             emits_both_sides: false,
             opacity: 1.0,
+            absorption: Rgb::ZERO,
             textured: None,
         }
     }

@@ -6,6 +6,7 @@ mod description;
 pub(crate) mod light;
 mod lights;
 mod material;
+mod medium;
 mod needs;
 mod primitive;
 mod surface;
@@ -115,6 +116,7 @@ impl Scene {
         description.meshes = Vec::new();
         let sphere = Sphere::around(triangles.iter().flatten().copied());
         let SceneDescription { mut materials, textures, environment, .. } = description;
+        materials.iter_mut().for_each(|material| material.absorption /= space.length(1.0));
         let environment = environment.filter(|_| needs.environment);
         let background = environment.as_ref().is_some_and(|environment| environment.visible);
         if let Some(environment) = environment {

@@ -3,6 +3,7 @@
 use super::description::SceneDescription;
 use super::light::Environment;
 use super::material::Material;
+use crate::transport::colour::Rgb;
 
 /// Features that a scene has. Branches, mutations and strata that serve nothing else are not set up where it is lacking.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,6 +14,8 @@ pub struct Needs {
     pub veils: bool,
     /// Light that comes from all around.
     pub environment: bool,
+    /// A solid that absorbs light.
+    pub absorbs: bool,
     /// A surface whose parameters vary.
     pub textured: bool,
     /// A surface with a normal map.
@@ -28,6 +31,7 @@ impl Needs {
             specular: any(|material| material.bsdf.is_delta()),
             veils: any(Material::is_veil),
             environment: environment.as_ref().is_some_and(Environment::is_lit),
+            absorbs: any(|material| material.absorption != Rgb::ZERO),
             textured: any(|material| material.textured.is_some()),
             normal_maps: any(|material| material.textured.as_ref().is_some_and(|t| t.maps.normal.is_some())),
         }

@@ -341,6 +341,27 @@ pub(crate) fn textured() -> World {
     see(builder.with_textures(vec![texture(4, Encoding::Srgb), texture(3, Encoding::Linear), normal_map()]))
 }
 
+/// The box with a ball of glass that absorbs, and one of velvet under a coat.
+fn layers() -> World {
+    let v = DVec3::new;
+    let amber =
+        |roughness| Material { bsdf: glass(roughness), absorption: Rgb::new(0.5, 2.0, 8.0), ..Material::default() };
+    let velvet = material(MetallicRoughness {
+        base_color: Rgb::new(0.2, 0.1, 0.4),
+        metallic: 0.3,
+        roughness: 0.5,
+        clearcoat: 0.8,
+        clearcoat_roughness: 0.3,
+        sheen_color: Rgb::new(0.8, 0.4, 0.4),
+        sheen_roughness: 0.5,
+        ..MetallicRoughness::default()
+    });
+    see(walls()
+        .mesh(ball(v(-0.5, -0.5, 0.2), 0.4, false), amber(0.0))
+        .mesh(ball(v(0.0, 0.3, 0.0), 0.3, false), amber(0.4))
+        .surface(ball(v(0.5, -0.5, 0.0), 0.4, true), velvet))
+}
+
 /// Normals that lean by up to half a right angle.
 fn normal_map() -> Texture {
     let leaning =
@@ -370,5 +391,6 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("thin lens", blurred()),
         ("orthographic camera", parallel()),
         ("textured", textured()),
+        ("layers and absorbing glass", layers()),
     ]
 }

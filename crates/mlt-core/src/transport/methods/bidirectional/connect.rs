@@ -5,6 +5,7 @@
 
 use super::sampler::{Bidirectional, Carried, LightSubpath, Scratch, Subpath};
 use crate::transport::bsdf::Evaluation;
+use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
@@ -110,7 +111,7 @@ impl Bidirectional<'_> {
         let LightSubpath { subpath, preference, .. } = self.beginning(s, &scratch.light, &scratch.near);
         let (light, from_light) = (&subpath.vertices[..s], subpath.carried(s));
         let ends = Ends { power: self.region.power(), preference: *preference, area: 1.0 };
-        let x = &light[s - 1];
+        let (x, scene) = (&light[s - 1], self.view.scene);
         if x.vertex.delta {
             return None;
         }
@@ -123,8 +124,10 @@ impl Bidirectional<'_> {
             1 => emission(&self.view, &x.vertex, edge.direction)?,
             _ => scattering(&self.view, x, -light[s - 2].to_eye, edge.direction)?,
         };
+        let before = s.checked_sub(2).map_or(Rgb::ONE, |i| scene.attenuation(&light[i].vertex, &x.vertex));
+        let attenuation = before * scene.attenuation(&x.vertex, &y.vertex);
         let at_y = scattering(&self.view, y, -edge.direction, y.to_eye)?;
-        let passed = self.view.scene.transmittance(&x.vertex, &y.vertex);
+        let passed = scene.transmittance(&x.vertex, &y.vertex);
         if passed == 0.0 {
             return None;
         }
@@ -137,7 +140,7 @@ impl Bidirectional<'_> {
             + later_techniques(eye, (forward, at_y.pdf_to_eye), from_eye.others, 1.0);
         let value = from_light.throughput
             * from_eye.throughput
-            * (at_x.value * at_y.value).as_dvec3()
+            * (at_x.value * at_y.value * attenuation).as_dvec3()
             * (edge.geometric_term() / (1.0 + others / square(ends.preference(s))));
         Some((pixel, value))
     }

@@ -80,10 +80,11 @@ impl PathTracer<'_> {
         let direction = ray.direction();
         let drawn = camera.has_tiny_lights() && !vertex.is_met_by_one_ray(&lens);
         let pdf = drawn.then(|| camera.pdf(direction) * passed / vertex.distance_squared(&lens));
+        let throughput = scene.attenuation(&vertex, &lens);
         let walk = Walk {
             vertex,
             to_eye: -direction,
-            throughput: Rgb::ONE,
+            throughput,
             pdf,
             before: camera.vertex(),
             edges: 1,
@@ -172,7 +173,7 @@ impl PathTracer<'_> {
         let cos = leaving * edge.inverse_square * passed;
         let geometric = arriving * cos;
         let weight = geometric / density * power_heuristic(density, found.pdf_to_light * cos);
-        Some((emitted * found.value * weight, point))
+        Some((emitted * found.value * (weight * scene.attenuation(&source, &walk.vertex)), point))
     }
 
     /// Draws a point on the lights for the camera, and shows it with the pixel where it crosses the image, weighed against the
@@ -201,6 +202,7 @@ impl PathTracer<'_> {
         let cos = eye.geometric_normal.dot(direction);
         let there = edge.cosines[0] * passed * edge.inverse_square;
         let weight = power_heuristic(density as f32, camera.pdf(direction) * there);
+        let emitted = emitted * scene.attenuation(&source, &eye);
         let value = emitted.as_dvec3() * (f64::from(camera.w_e(direction) * cos * there * weight) / density);
         visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point) });
         Some(())
@@ -224,6 +226,7 @@ impl PathTracer<'_> {
         let (vertex, passed) = scene.follow(&walk.vertex, direction, rng)?;
         let square = vertex.distance_squared(&walk.vertex);
         walk.pdf = (!walk.vertex.delta).then_some(pdf * passed / square);
+        walk.throughput *= scene.attenuation(&vertex, &walk.vertex);
         walk.straight &= walk.vertex.delta;
         walk.before = std::mem::replace(&mut walk.vertex, vertex);
         walk.to_eye = -direction;

@@ -62,6 +62,14 @@ pub struct Maps {
     pub specular: Option<ChannelMap>,
     /// On the specular colour.
     pub specular_color: Option<Map>,
+    /// On the share of the clear coat.
+    pub clearcoat: Option<ChannelMap>,
+    /// On the clear coat's roughness.
+    pub clearcoat_roughness: Option<ChannelMap>,
+    /// On the sheen's colour.
+    pub sheen_color: Option<Map>,
+    /// On the sheen's roughness.
+    pub sheen_roughness: Option<ChannelMap>,
     /// On the emission.
     pub emission: Option<Map>,
     /// On the opacity.
@@ -114,8 +122,11 @@ impl Maps {
     /// Every texture in use.
     pub(crate) fn all(&self) -> impl Iterator<Item = Map> {
         let channels = [self.metallic, self.roughness, self.transmission, self.specular, self.opacity];
-        let colours = [self.base_color, self.specular_color, self.emission, self.normal.map(|normal| normal.map)];
-        channels.map(|channel| channel.map(|channel| channel.map)).into_iter().chain(colours).flatten()
+        let layers = [self.clearcoat, self.clearcoat_roughness, self.sheen_roughness];
+        let channels = channels.into_iter().chain(layers);
+        let normal = self.normal.map(|normal| normal.map);
+        let colours = [self.base_color, self.specular_color, self.sheen_color, self.emission, normal];
+        channels.map(|channel| channel.map(|channel| channel.map)).chain(colours).flatten()
     }
 
     /// Whether nothing varies.
@@ -157,6 +168,10 @@ impl Textured {
             transmission: factors.transmission * number(maps.transmission, textures, place),
             specular: factors.specular * number(maps.specular, textures, place),
             specular_color: factors.specular_color * colour(maps.specular_color, textures, place),
+            clearcoat: factors.clearcoat * number(maps.clearcoat, textures, place),
+            clearcoat_roughness: factors.clearcoat_roughness * number(maps.clearcoat_roughness, textures, place),
+            sheen_color: factors.sheen_color * colour(maps.sheen_color, textures, place),
+            sheen_roughness: factors.sheen_roughness * number(maps.sheen_roughness, textures, place),
             ..*factors
         })
     }
