@@ -104,10 +104,10 @@ fn a_direction_leads_back_to_its_point_of_the_square() {
     }
 }
 
-/// Density of M/Φ integrates to 1 over directions, and the sky is 1 in the mean.
+/// Density of M/Φ integrates to 1 over directions, and the sky is 5/9 in the mean.
 #[test]
 fn power_is_the_integral_of_exitance() {
-    for (environment, mean) in [(Environment::sky(), 1.0), (Environment::constant(Rgb::splat(0.25)), 0.25)] {
+    for (environment, mean) in [(Environment::sky(), 5.0 / 9.0), (Environment::constant(Rgb::splat(0.25)), 0.25)] {
         let world = floor(environment);
         let [light] = &world.scene.lights().lights[..] else { panic!("one light") };
         assert!((f64::from(luminance(light.emission)) / mean - 1.0).abs() < 2e-3, "{}", light.emission);
@@ -165,8 +165,8 @@ fn each_technique_alone_finds_what_a_floor_reflects() {
         for (environment, expected) in [
             (Environment::constant(Rgb::splat(2.0)), 1.0),
             (halves(2.0, 0.0), 1.0),
-            // E/π of 1 + 0.8 cosθ′ is 1 + 0.8 · ⅔ times the cosine of the brightest direction with the normal.
-            (Environment::sky(), 0.5 * (1.0 + 0.8 * 2.0 / 3.0 * 0.8003)),
+            // E/π of (5 + 4 cosθ′)/9 is 5/9 + 4/9 · ⅔ times the cosine of the brightest direction with the normal.
+            (Environment::sky(), 0.5 * (5.0 + 4.0 * 2.0 / 3.0 * 0.8003) / 9.0),
         ] {
             let [mean, error] = alone(&floor(environment), s, |_| 1.0);
             assert!((mean - expected).abs() < 4.0 * error + 2e-3 * expected, "s = {s}: {mean} ± {error}, {expected}");

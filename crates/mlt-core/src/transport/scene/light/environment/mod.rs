@@ -37,7 +37,7 @@ const SKY: [u32; 2] = [64, 32];
 /// Direction that the neutral sky is brightest in, not normalised: from above, a little from −x and less from +z, so that no two sides of
 /// a box are lit alike.
 const SKY_BRIGHTEST: DVec3 = DVec3::new(-0.5, 0.8, 0.33);
-/// How much more than 1 its radiance is there, and how much less in the opposite direction.
+/// How much more than in the mean its radiance is there, and how much less in the opposite direction, as a share of the mean.
 const SKY_SLOPE: f64 = 0.8;
 
 impl Environment {
@@ -60,15 +60,15 @@ impl Environment {
         Self { size: [1, 1], pixels: vec![radiance], rotation: 0.0, strength: 1.0, visible: true }
     }
 
-    /// A colourless sky whose radiance is 1 in the mean and 1 + 0.8 cosθ at the angle θ from its brightest direction. A diffuse surface whose
-    /// normal is at that angle shows (1 + 0.53 cosθ) times its albedo, so shapes are told apart.
+    /// A colourless sky of radiance (5 + 4 cosθ)/9 at the angle θ from its brightest direction, where it is 1. A diffuse surface whose normal
+    /// is at that angle shows (5 + 2.67 cosθ)/9 times its albedo: shapes are told apart, and white is not overexposed.
     pub fn sky() -> Self {
         let brightest = SKY_BRIGHTEST.normalize();
         let radiance = |i: u32, j: u32| {
             let (azimuth, polar) = (azimuth(f64::from(i), SKY[0]), PI * (f64::from(j) + 0.5) / f64::from(SKY[1]));
             let (sin, cos) = (libm::sin(polar), libm::cos(polar));
             let direction = DVec3::new(sin * libm::cos(azimuth), cos, sin * libm::sin(azimuth));
-            Rgb::splat((1.0 + SKY_SLOPE * direction.dot(brightest)) as f32)
+            Rgb::splat(((1.0 + SKY_SLOPE * direction.dot(brightest)) / (1.0 + SKY_SLOPE)) as f32)
         };
         let pixels = (0..SKY[1]).flat_map(|j| (0..SKY[0]).map(move |i| radiance(i, j))).collect();
         Self { size: SKY, pixels, ..Self::constant(Rgb::ZERO) }
