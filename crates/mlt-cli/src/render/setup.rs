@@ -88,6 +88,9 @@ fn unusable(error: UnusableScene, lights_left_out: usize) -> anyhow::Error {
         (UnusableScene::NoLight, 1..) => {
             anyhow!("{error}; point, spot and directional lights are not supported, and the file has {lights_left_out}")
         }
+        (UnusableScene::NoLight, 0) => {
+            anyhow!("{error}; a file by Blender's glTF export has its lamps if Include > Punctual Lights was ticked")
+        }
         _ => error.into(),
     }
 }
