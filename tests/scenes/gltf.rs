@@ -580,7 +580,7 @@ fn glass_is_solid_with_a_volume_and_thin_without() {
         let material = json!({ "pbrMetallicRoughness": pbr, "extensions": extensions });
         let loaded = Document::new().with("/materials/0", material).loaded();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-        loaded.description.materials[0].bsdf.clone()
+        loaded.description.materials[0].bsdf
     };
     let clear = json!({ "transmissionFactor": 1 });
     let thin = glass(json!({ "KHR_materials_transmission": clear }));

@@ -52,10 +52,8 @@ impl Images {
             let images = if count == 1 { "image" } else { "images" };
             source.take(sizes().sum(), format!("the pixels of {count} {images}"))?;
         }
-        let decode = |(name, file): (String, Result<(u64, Cow<[u8]>), String>)| {
-            (name, file.and_then(|(_, bytes)| pixels(&bytes)))
-        };
-        let results: Vec<_> = files.into_par_iter().map(decode).collect();
+        let decode = |(name, file): (_, Result<(_, _), _>)| (name, file.and_then(|(_, bytes)| pixels(bytes)));
+        let results: Vec<(String, _)> = files.into_par_iter().map(decode).collect();
         let mut images = Self::default();
         for (name, result) in results {
             match result {
@@ -134,7 +132,8 @@ fn limits(bytes: u64) -> Limits {
 }
 
 /// An image with 8 bits a channel.
-fn pixels(file: &[u8]) -> Result<Pixels, String> {
+fn pixels(file: Cow<[u8]>) -> Result<Pixels, String> {
+    let file = &file[..];
     let decoded = guard::catch(|| -> Result<_, String> {
         let mut reader = reader(file)?;
         reader.limits(limits(bytes_of(file)? + MOST_BESIDES));

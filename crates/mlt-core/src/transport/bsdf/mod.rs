@@ -80,7 +80,6 @@ fn choose(u: f32, p: f32) -> (bool, f32) {
 
 /// One surface's scattering function.
 #[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "one is made at each vertex of a textured surface, without allocation")]
 pub enum Bsdf {
     /// Reflects nothing.
     Black,
