@@ -12,7 +12,7 @@ const METHODS: [&str; 6] = [
     "bdpt --samples-per-pixel 64",
     "mlt --mutations-per-pixel 256",
     "pssmlt --mutations-per-pixel 128",
-    "mmlt --mutations-per-pixel 512",
+    "mmlt --mutations-per-pixel 2048",
     "auto --samples-per-pixel 64",
 ];
 
@@ -191,6 +191,16 @@ fn an_unlit_surface_shows_its_colour_in_any_light() {
         "extensions": { "KHR_materials_unlit": {} } });
     let scene = Scene::furnace(unlit, vec![greys()]);
     scene.expect(mean_grey());
+}
+
+/// A white base under a coat of any reflectance and gloss is white in a furnace.
+#[test]
+fn specular_and_gloss_vary_over_a_surface() {
+    let old = json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": { "glossinessFactor": 0.8,
+        "specularGlossinessTexture": { "index": 0 } } } });
+    let scene =
+        Scene::furnace(old, vec![[[0, 30, 90, 255], [255, 255, 255, 200], [40, 40, 40, 0], [90, 200, 255, 90]]]);
+    scene.expect(1.0);
 }
 
 /// A solid of index 1 before the camera, of which the walls are seen through.

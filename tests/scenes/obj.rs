@@ -323,8 +323,7 @@ fn cameras_for_files_without_any() {
 
 #[test]
 fn materials_get_the_simplest_bsdf() {
-    let bsdf =
-        |mtl: &str| load_with("f 1 2 3", &format!("newmtl m\n{mtl}")).unwrap().description.materials[0].bsdf;
+    let bsdf = |mtl: &str| load_with("f 1 2 3", &format!("newmtl m\n{mtl}")).unwrap().description.materials[0].bsdf;
     assert!(matches!(bsdf("Kd 1 0 0\nKs 0 0 0\nNs 9"), Bsdf::Lambert(_)));
     assert!(matches!(bsdf("Kd 0 0 0\nKe 1 1 1"), Bsdf::Black));
     assert!(matches!(bsdf("Ks 1 1 1\nillum 3"), Bsdf::Mirror(_)));

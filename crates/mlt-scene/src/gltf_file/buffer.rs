@@ -57,13 +57,13 @@ impl<'a> Buffers<'a> {
     }
 
     /// The content of a buffer view.
-    pub fn view(&self, document: &Document, index: usize) -> Result<Vec<u8>, SceneError> {
+    pub fn view(&self, document: &Document, index: usize) -> Result<&[u8], SceneError> {
         let invalid = |reason: &str| self.source.invalid(format!("bufferViews[{index}]"), reason, CHECK);
         let view = document.views().nth(index).ok_or_else(|| invalid("it does not exist"))?;
         let bytes = self.content(&view.buffer())?;
         let end = view.offset().checked_add(view.length());
         let bytes = end.and_then(|end| bytes.get(view.offset()..end));
-        bytes.map(<[u8]>::to_vec).ok_or_else(|| invalid("it ends beyond its buffer"))
+        bytes.ok_or_else(|| invalid("it ends beyond its buffer"))
     }
 
     /// The content that a URI names or holds; `place` names its owner.

@@ -2,7 +2,7 @@
 
 use super::{
     graph::{Placed, place},
-    texture::{CLEARCOAT, SHEEN},
+    texture::{CLEARCOAT, GLOSSINESS, SHEEN},
 };
 use crate::text::shown;
 use gltf::{Document, Material, Node};
@@ -16,6 +16,7 @@ const KNOWN: &[&str] = &[
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
@@ -102,7 +103,8 @@ pub(super) fn in_material(material: &Material) -> Option<String> {
     ];
     let features = features.iter().filter(|f| f.0).map(|f| f.1.to_owned());
     let names = material.extensions().into_iter().flat_map(|map| map.keys());
-    let extensions = names.filter(|name| ![UNLIT, CLEARCOAT, SHEEN].contains(&name.as_str())).map(|name| shown(name));
+    let extensions =
+        names.filter(|name| ![UNLIT, CLEARCOAT, GLOSSINESS, SHEEN].contains(&name.as_str())).map(|name| shown(name));
     sentence(&place_of(material), features.chain(extensions).collect())
 }
 

@@ -17,7 +17,7 @@ impl Scene {
 
     #[inline(never)]
     fn attenuation_between(&self, x: &Vertex, y: &Vertex) -> Rgb {
-        if x.is_distant() || y.is_distant() {
+        if x.is_distant() || y.is_distant() || y.is_parallel() {
             return Rgb::ONE;
         }
         let step = x.position - y.position;
