@@ -1,7 +1,7 @@
 //! Description of a scene, which a loader hands to the renderer.
 
 use super::camera::CameraPose;
-use super::light::Environment;
+use super::light::{Environment, PunctualLight};
 use super::material::Material;
 use super::textures::Texture;
 use crate::transport::geometry::Mesh;
@@ -17,6 +17,8 @@ pub struct SceneDescription {
     pub textures: Vec<Texture>,
     /// The first one is the default; empty: the caller has to choose one.
     pub cameras: Vec<CameraPose>,
+    /// Lights without extent.
+    pub punctual: Vec<PunctualLight>,
     /// Light that comes from all around.
     pub environment: Option<Environment>,
 }
