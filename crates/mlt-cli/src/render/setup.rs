@@ -1,8 +1,8 @@
 //! From options to a scene and a camera.
 
-use anyhow::{Context, anyhow};
+use anyhow::Context;
 use mlt_core::memory::Memory;
-use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, SurfaceName, UnusableScene};
+use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, SurfaceName};
 use mlt_scene::Loaded;
 
 use super::pose::pose;
@@ -67,7 +67,7 @@ fn seen(
     let size = size(options, &pose);
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     take_memory(memory, pixels * BYTES_PER_PIXEL, &format!("an image of {}x{}", size[0], size[1]))?;
-    let scene = Scene::new(loaded.description).map_err(|error| unusable(error, loaded.lights_left_out));
+    let scene = Scene::new(loaded.description);
     // What was left out may be why it fails.
     let scene = scene.with_context(|| options.scene.display().to_string()).inspect_err(|_| warn_all(warnings))?;
     let camera = scene.camera(&pose, size);
@@ -80,16 +80,6 @@ fn seen(
         warnings.push(format!("{words}; --camera-from and --camera-to choose a view"));
     }
     Ok((scene, camera, used))
-}
-
-/// The error for a scene that cannot be rendered, with a word on the lights that the file does have.
-fn unusable(error: UnusableScene, lights_left_out: usize) -> anyhow::Error {
-    match (&error, lights_left_out) {
-        (UnusableScene::NoLight, 1..) => {
-            anyhow!("{error}; point, spot and directional lights are not supported, and the file has {lights_left_out}")
-        }
-        _ => error.into(),
-    }
 }
 
 /// Overlaps that are named one by one.

@@ -162,7 +162,7 @@ impl Files<'_> {
         let json = &self.parsed.document.as_json().images[image];
         let found = match (&json.uri, json.buffer_view) {
             (Some(uri), _) => self.buffers.read_uri(&format!("images[{image}]"), uri),
-            (None, Some(view)) => self.buffers.view(&self.parsed.document, view.value()),
+            (None, Some(view)) => self.buffers.view_at(view.value()),
             (None, None) => return Err("it has neither a URI nor a buffer view".to_owned()),
         };
         found.map_err(|error| error.to_string())

@@ -36,7 +36,9 @@ impl SceneDescription {
     /// Whether anything gives light.
     pub fn is_lit(&self) -> bool {
         let emits = |mesh: &Mesh| self.materials[mesh.material as usize].emission.max_element() > 0.0;
-        self.environment.as_ref().is_some_and(Environment::is_lit) || self.meshes.iter().any(emits)
+        self.environment.as_ref().is_some_and(Environment::is_lit)
+            || self.punctual.iter().any(PunctualLight::is_lit)
+            || self.meshes.iter().any(emits)
     }
 
     /// Name in the file of a mesh's surface, the mesh given by its number.
