@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use mlt_core::engine::{Film, MutationStats, Pixel, StratumStats, TRUSTED_ROUNDS, Tally};
 use mlt_core::transport::image::{mean_luminance, relative_error};
 use mlt_core::transport::render::Counts;
+use mlt_core::transport::scene::Needs;
 
 use super::{Setup, losses::losses};
 use crate::{
@@ -51,6 +52,7 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
         outputs: Vec::new(),
     };
     report.warnings.extend(without_effect(options));
+    report.warnings.extend(out_of_reach(options, setup));
     report.warnings.extend(warnings(film));
     report.warnings.extend(losses(film, counts, width));
     report
@@ -90,6 +92,15 @@ fn without_effect(options: &RenderOptions) -> Option<String> {
             "{method} has no chains: --strata, --weights, --variant, --perturbations and --importance have no effect; \
              --method mlt takes them"
         )
+    })
+}
+
+/// Light that path tracing has no way to find: no ray meets a light without extent, and none is connected through glass.
+fn out_of_reach(options: &RenderOptions, setup: &Setup) -> Option<String> {
+    let Needs { punctual, specular, .. } = setup.scene.needs();
+    let missed = options.method() == Method::Pt && punctual && specular;
+    missed.then(|| {
+        "pt finds nothing of what glass and mirrors make of point, spot and directional lights; auto, bdpt and mlt do".to_owned()
     })
 }
 

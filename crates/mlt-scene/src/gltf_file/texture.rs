@@ -185,7 +185,7 @@ impl<'a> Files<'a> {
         let json = &self.parsed.document.as_json().images[image];
         let found = match (&json.uri, json.buffer_view) {
             (Some(uri), _) => self.buffers.read_uri(&format!("images[{image}]"), uri).map(Cow::Owned),
-            (None, Some(view)) => self.buffers.view(&self.parsed.document, view.value()).map(Cow::Borrowed),
+            (None, Some(view)) => self.buffers.view_at(view.value()).map(Cow::Borrowed),
             (None, None) => return Err("it has neither a URI nor a buffer view".to_owned()),
         };
         found.map_err(|error| error.to_string())

@@ -165,7 +165,8 @@ impl PathTracer<'_> {
         }
         let cos = leaving * edge.inverse_square * passed;
         let geometric = arriving * cos;
-        let weight = geometric / density * power_heuristic(density, found.pdf_to_light * cos);
+        let met = if source.can_be_met() { found.pdf_to_light * cos } else { 0.0 };
+        let weight = geometric / density * power_heuristic(density, met);
         Some((emitted * found.value * (weight * scene.attenuation(&source, &walk.vertex)), point))
     }
 
