@@ -483,6 +483,12 @@ fn files_that_are_no_scenes_are_refused() {
         ("scene.gltf", &b""[..], "does not parse as glTF"),
         ("scene.gltf", b"{}", "does not parse as glTF"),
         ("scene.gltf", b"[[[[", "line 1"),
+        (
+            "scene.gltf",
+            br#"{ "asset": { "version": "1.0" }, "scenes": {} }"#,
+            "its version is 1.0, and 2.0 is expected",
+        ),
+        ("scene.gltf", br#"{ "asset": { "version": "2.0" }, "scenes": {} }"#, "expected a sequence"),
         ("scene.glb", b"glTF", "does not parse as binary glTF"),
         ("scene.glb", b"glTF\x02\0\0\0\0\0\0\0", "scene.glb"),
         ("scene.fbx", b"", "convert"),

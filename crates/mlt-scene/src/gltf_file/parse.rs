@@ -51,7 +51,7 @@ pub(super) fn parse(source: &Source) -> Result<Parsed, SceneError> {
     let text = trimmed(&bytes[json]);
     let objects = text.iter().filter(|&&byte| byte == b'{').count() as u64;
     source.take(objects * BYTES_PER_OBJECT, format!("the JSON of {objects} objects"))?;
-    let root = root(text).map_err(|error| syntax(error.to_string()))?;
+    let root = root(text).map_err(|error| syntax(reason(text, &error)))?;
     if root.extensions_required.iter().any(|extension| extension == DRACO) {
         return Err(source.compressed(DRACO));
     }
@@ -67,6 +67,15 @@ fn trimmed(json: &[u8]) -> &[u8] {
 
 fn root(json: &[u8]) -> Result<Root, serde_json::Error> {
     deserialize::from_slice(json).or_else(|error| relaxed(json).ok_or(error))
+}
+
+/// Why a document is not glTF 2.0: it may be of the first version, which has another shape, or else as the parser says.
+fn reason(json: &[u8], error: &serde_json::Error) -> String {
+    let document = serde_json::from_slice::<Value>(json).unwrap_or_default();
+    match document.pointer("/asset/version").map(|version| version.to_string().replace('"', "")) {
+        Some(version) if version.starts_with('1') => format!("its version is {version}, and 2.0 is expected"),
+        _ => error.to_string(),
+    }
 }
 
 /// The document with what is right by the specification, or an extension to it, and unknown to the parser: a scene without
