@@ -342,6 +342,15 @@ fn punctual_lights_have_the_units_of_their_programs() {
     assert!(axis.distance(Vec3::NEG_Y) < 1e-6 && cone == [0.2, 0.6], "{axis} {cone:?}");
     let Punctual::Directional { along } = only(&light("directional"), None).kind else { panic!("no sun") };
     assert!(along.distance(Vec3::NEG_Y) < 1e-6, "{along}");
+    // A radius makes a ball of as much power: its luminance at a distance is π L r² over it.
+    let soft = point.clone().with("/nodes/0/extras", json!({ "shadow_soft_size": 0.5 })).loaded().description;
+    let (ball, lamp) = (soft.meshes.last().unwrap(), soft.materials.last().unwrap());
+    assert!(
+        soft.punctual.is_empty()
+            && ball.positions.iter().all(|p| (p.distance(DVec3::new(1., 2., 3.)) - 0.5).abs() < 1e-9)
+    );
+    let intensity = lamp.emission.x * std::f32::consts::PI * 0.25;
+    assert!((intensity / 54351.41 - 1.0).abs() < 0.02, "{intensity}");
     let dark = point.with("/extensions/KHR_lights_punctual/lights/0/intensity", json!(-1));
     warning(&dark, "not one that a light can have");
 }

@@ -51,10 +51,11 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     let nodes = graph.shown(source, options.scene.as_deref())?;
     let others = graph.others();
     let cameras = camera::poses(&nodes, &others, &mut warnings);
-    let punctual = light::lights(document, &nodes, options.light_units, &mut warnings);
+    let lights = light::lights(document, &nodes, options.light_units, &mut warnings);
     let worlds = nodes.iter().chain(&others).map(|(node, to_world)| (node.index(), *to_world)).collect();
     let surfaces = surfaces(&files, &mut reader, &nodes, (&pose, &worlds), &mut warnings)?;
-    let description = SceneDescription { cameras, punctual, ..surfaces };
+    let mut description = SceneDescription { cameras, ..surfaces };
+    light::add(lights, source, &mut description)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Loaded { name, description, warnings, digest: source.digest(), neutral_sky: false })
 }
