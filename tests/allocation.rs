@@ -126,7 +126,7 @@ fn a_mutation_allocates_nothing() {
     let camera = scene.camera(&pose, [32, 32]);
     let view = View { scene: &scene, camera: &camera };
     let strata = LightStrata::new(scene.lights(), Stratification::Grid(2, 2));
-    let strata = LightStratum::all(&strata, view, 12);
+    let strata = LightStratum::all(&strata, view, 6);
     let mixture = Mixture::new(PathMutation::all(view));
     let mut rng = generator(1, Purpose::Chain, 0, 0, 0);
     for stratum in &strata {
@@ -136,7 +136,7 @@ fn a_mutation_allocates_nothing() {
         }
         let mut chain = Chain::new(&mixture, &Luminance, stratum, start.unwrap()).unwrap();
         let mut steps = |n| (0..n).for_each(|_| chain.step(&mut Nowhere, 1.0, &mut rng));
-        assert!(allocations(|| steps(100_000)) > 0, "the count works: a chain grows its states");
+        assert!(allocations(|| steps(400_000)) > 0, "the count works: a chain grows its states");
         assert_eq!(allocations(|| steps(20_000)), 0);
     }
 }
@@ -164,7 +164,7 @@ fn steps_allocate_nothing<T: Tracer<N>, const N: usize>(stratum: &PrimaryStratum
     }
     let mut chain = Chain::new(&mixture, &PrimaryImportance, stratum, start.unwrap()).unwrap();
     let mut steps = |n| (0..n).for_each(|_| chain.step(&mut Nowhere, 1.0, &mut rng));
-    assert!(allocations(|| steps(100_000)) > 0, "the count works: a chain grows its states");
+    assert!(allocations(|| steps(400_000)) > 0, "the count works: a chain grows its states");
     assert_eq!(allocations(|| steps(20_000)), 0);
 }
 

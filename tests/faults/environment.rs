@@ -50,15 +50,16 @@ fn seen(scene: &str, view: &str, environment: &Path, more: &str) -> Render {
 fn a_file_without_light_gets_a_sky_that_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = scene(folder.path(), false);
-    // 0.5 (1 + 0.8 · ⅔ · 0.8004)
+    // 0.5 (5 + 4 · ⅔ · 0.8004)/9
     for (method, budget) in METHODS {
         let found = render(&scene, &format!("{DOWN} --method {method} {budget}"));
-        found.expect_b(0.7134, 1e-3);
+        found.expect_b(0.3964, 1e-3);
         let words = "nothing in the file gives light, so a neutral sky does; --environment chooses another, or none";
         assert!(found.said.contains(words), "{}", found.said);
     }
     let dark = refusal(&scene, &format!("{DOWN} --environment none"));
-    assert!(dark.contains("s.obj: the scene has no light") && dark.lines().count() == 1, "{dark}");
+    assert!(dark.contains("s.obj: the scene has no light") && dark.contains("Include > Punctual Lights"), "{dark}");
+    assert_eq!(dark.lines().count(), 1, "{dark}");
     let lit = render(&scene, &format!("{DOWN} --environment 2,2,2 --samples-per-pixel 16 --method pt"));
     lit.expect_b(1.0, 1e-3);
     assert!(!lit.said.contains("sky"), "{}", lit.said);
@@ -105,9 +106,10 @@ fn the_background_is_seen_or_not_and_lights_in_either_case() {
         let of = |background: &str| {
             render(&scene, &format!("{ALONG} --environment 2,2,2 --background {background} --method {method} {budget}"))
         };
-        // Half of the image is sky, and half of it floor.
-        of("visible").expect_b(1.5, 0.01);
-        of("black").expect_b(0.5, 0.01);
+        // The floor ends 0.5/13.9 under the horizon, of 1/√3 to the image's edge.
+        let sky = 0.5 + 0.5 * 0.5 / 13.9 * 3f64.sqrt();
+        of("visible").expect_b(2.0 * sky + 1.0 * (1.0 - sky), 2e-3);
+        of("black").expect_b(1.0 - sky, 2e-3);
     }
 }
 

@@ -12,7 +12,7 @@ const METHODS: [&str; 6] = [
     "bdpt --samples-per-pixel 64",
     "mlt --mutations-per-pixel 256",
     "pssmlt --mutations-per-pixel 128",
-    "mmlt --mutations-per-pixel 512",
+    "mmlt --mutations-per-pixel 2048",
     "auto --samples-per-pixel 64",
 ];
 
@@ -193,6 +193,16 @@ fn an_unlit_surface_shows_its_colour_in_any_light() {
     scene.expect(mean_grey());
 }
 
+/// A white base under a coat of any reflectance and gloss is white in a furnace.
+#[test]
+fn specular_and_gloss_vary_over_a_surface() {
+    let old = json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": { "glossinessFactor": 0.8,
+        "specularGlossinessTexture": { "index": 0 } } } });
+    let scene =
+        Scene::furnace(old, vec![[[0, 30, 90, 255], [255, 255, 255, 200], [40, 40, 40, 0], [90, 200, 255, 90]]]);
+    scene.expect(1.0);
+}
+
 /// A solid of index 1 before the camera, of which the walls are seen through.
 #[test]
 fn a_solid_leaves_of_light_what_its_depth_says() {
@@ -220,4 +230,35 @@ fn metalness_and_roughness_vary_over_a_surface() {
     let scene =
         Scene::furnace(metal, vec![[[0, 30, 0, 255], [0, 90, 255, 255], [0, 255, 128, 255], [0, 200, 255, 255]]]);
     scene.expect(1.0);
+}
+
+/// A sheet with holes between a lamp and a floor, and a sheet that glows as its texture says: all methods agree.
+#[test]
+fn methods_agree_about_holes_and_textured_lamps() {
+    for file in ["files/alpha-mask.gltf", "files/emissive-texture.gltf"] {
+        let render = |method: &str| render(file, &format!("--size 16x16 --threads 1 --method {method}"));
+        let (truth, stderr) = render("pt --samples-per-pixel 1024").b();
+        for method in METHODS {
+            render(method).expect_b(truth, 4.5 * stderr);
+        }
+    }
+}
+
+/// The control of the test above: a sheet without its holes, and one that glows all over, are told apart.
+#[test]
+fn a_forgotten_texture_is_seen() {
+    for (file, from, to) in
+        [("alpha-mask", "\"MASK\"", "\"OPAQUE\""), ("emissive-texture", "\"emissiveTexture\"", "\"normalTexture\"")]
+    {
+        let text = fs::read_to_string(crate::support::data(&format!("files/{file}.gltf"))).expect("a scene");
+        let folder = tempfile::tempdir().expect("a folder");
+        let changed = folder.path().join("scene.gltf");
+        assert!(text.contains(from), "{file}");
+        fs::write(&changed, text.replace(from, to)).expect("written");
+        let method = "--size 16x16 --threads 1 --method pt --samples-per-pixel 256";
+        let (right, wrong) =
+            (render(&format!("files/{file}.gltf"), method), render(&changed.to_string_lossy(), method));
+        let ((a, sa), (b, sb)) = (right.b(), wrong.b());
+        assert!((a - b).abs() > 9.0 * (sa + sb), "{file}: {a} ± {sa} and {b} ± {sb}");
+    }
 }

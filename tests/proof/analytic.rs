@@ -139,7 +139,7 @@ fn albedo(bsdf: &Bsdf, to_eye: Vec3) -> DVec3 {
 }
 
 /// Means over pixels of a function of the pinhole's position and the direction, by the midpoint rule on n × n points.
-fn image_of(pose: &CameraPose, n: u32, radiance: impl Fn(DVec3, DVec3) -> DVec3) -> Vec<f64> {
+pub fn image_of(pose: &CameraPose, n: u32, radiance: impl Fn(DVec3, DVec3) -> DVec3) -> Vec<f64> {
     let [width, height] = SIZE.map(f64::from);
     let (forward, up) = (pose.forward.as_dvec3(), pose.up.as_dvec3());
     let half = (0.5 * f64::from(pose.lens.vertical_fov().unwrap())).tan();
@@ -159,7 +159,7 @@ fn image_of(pose: &CameraPose, n: u32, radiance: impl Fn(DVec3, DVec3) -> DVec3)
 
 pub const LIGHT: [[f64; 3]; 4] = [[-0.5, 1., -0.3], [0.7, 1., -0.3], [0.7, 1., 0.5], [-0.5, 1., 0.5]];
 pub const EMISSION: Rgb = Rgb::new(3.0, 2.0, 1.0);
-const REFLECTANCE: Rgb = Rgb::new(0.4, 0.6, 0.8);
+pub const REFLECTANCE: Rgb = Rgb::new(0.4, 0.6, 0.8);
 
 /// A diffuse plane under a rectangle that faces it.
 pub fn lit_plane() -> SceneDescription {

@@ -7,6 +7,7 @@ mod cameras;
 mod determinism;
 mod duct;
 mod primary;
+mod punctual;
 mod startup_bias;
 mod strata;
 mod support;

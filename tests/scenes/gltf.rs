@@ -5,8 +5,8 @@ use glam::{DVec3, Vec3};
 use mlt_core::memory::Memory;
 use mlt_core::transport::bsdf::Bsdf;
 use mlt_core::transport::geometry::Mesh;
-use mlt_core::transport::scene::Lens;
-use mlt_scene::LoadOptions;
+use mlt_core::transport::scene::{Lens, Punctual};
+use mlt_scene::{LightUnits, LoadOptions};
 use serde_json::{Value, json};
 
 fn geometric_normal(mesh: &Mesh, triangle: usize) -> DVec3 {
@@ -111,7 +111,7 @@ fn unknown_parts_that_are_not_needed_do_no_harm() {
     let pointer = json!({ "channels": [{ "sampler": 0, "target": { "path": "pointer" } }],
                           "samplers": [{ "input": 0, "output": 0 }] });
     for (feature, document) in [
-        ("animations", Document::new().with("/animations", json!([pointer]))),
+        ("animated", Document::new().with("/animations", json!([pointer]))),
         ("the skin", Document::new().with("/skins", json!([{}])).with("/nodes/0/skin", 0.into())),
         (
             "KHR_texture_basisu is not supported; convert its image",
@@ -308,28 +308,63 @@ fn materials_emit_and_reflect() {
     assert_eq!((scene.meshes[0].material, scene.materials[1].name.as_str()), (1, "default"));
 }
 
+/// A lamp of 1000 W as Blender writes it, a spot and a sun; and what else the numbers may mean.
+#[test]
+fn punctual_lights_have_the_units_of_their_programs() {
+    let light = |kind: &str| {
+        let lights = json!([{ "type": kind, "name": "lamp", "intensity": 54351.41, "color": [1, 0.5, 0],
+                              "spot": { "innerConeAngle": 0.2, "outerConeAngle": 0.6 } }]);
+        Document::new()
+            .with("/extensions", json!({ "KHR_lights_punctual": { "lights": lights } }))
+            .with("/nodes/0/extensions", json!({ "KHR_lights_punctual": { "light": 0 } }))
+            .with("/nodes/0/translation", json!([1, 2, 3]))
+            .with("/nodes/0/rotation", json!([-1, 0, 0, 1]))
+    };
+    let only = |document: &Document, units: Option<LightUnits>| {
+        let folder = tempfile::TempDir::new().unwrap();
+        document.write(folder.path());
+        let options = LoadOptions { light_units: units, ..LoadOptions::default() };
+        let loaded = mlt_scene::open_within(folder.path().join("scene.gltf"), &options, &Memory::unlimited()).unwrap();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        loaded.description.punctual[0].clone()
+    };
+    let near = |found: f32, expected: f32| assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+    let (point, watts) = (light("point"), 1000.0 / (4.0 * std::f32::consts::PI));
+    let blender = point.clone().with("/asset/generator", "Khronos glTF Blender I/O v5".into());
+    near(only(&blender, None).emission.x, watts);
+    near(only(&blender, None).emission.y, 0.5 * watts);
+    near(only(&point, None).emission.x, 54351.41);
+    near(only(&blender, Some(LightUnits::Photometric)).emission.x, 54351.41);
+    near(only(&point, Some(LightUnits::Raw)).emission.x, 54351.41 / (4.0 * std::f32::consts::PI));
+    near(only(&light("directional"), Some(LightUnits::Raw)).emission.x, 54351.41);
+    assert_eq!(only(&point, None).kind, Punctual::Point { position: DVec3::new(1., 2., 3.) });
+    let Punctual::Spot { axis, cone, .. } = only(&light("spot"), None).kind else { panic!("no spot") };
+    assert!(axis.distance(Vec3::NEG_Y) < 1e-6 && cone == [0.2, 0.6], "{axis} {cone:?}");
+    let Punctual::Directional { along } = only(&light("directional"), None).kind else { panic!("no sun") };
+    assert!(along.distance(Vec3::NEG_Y) < 1e-6, "{along}");
+    // A radius makes a ball of as much power: its luminance at a distance is π L r² over it.
+    let soft = point.clone().with("/nodes/0/extras", json!({ "shadow_soft_size": 0.5 })).loaded().description;
+    let (ball, lamp) = (soft.meshes.last().unwrap(), soft.materials.last().unwrap());
+    assert!(
+        soft.punctual.is_empty()
+            && ball.positions.iter().all(|p| (p.distance(DVec3::new(1., 2., 3.)) - 0.5).abs() < 1e-9)
+    );
+    let intensity = lamp.emission.x * std::f32::consts::PI * 0.25;
+    assert!((intensity / 54351.41 - 1.0).abs() < 0.02, "{intensity}");
+    let dark = point.with("/extensions/KHR_lights_punctual/lights/0/intensity", json!(-1));
+    warning(&dark, "not one that a light can have");
+}
+
 #[test]
 fn what_is_left_out_is_named() {
     let coat = json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 1, "clearcoatNormalTexture": { "index": 0 } },
                        "KHR_materials_iridescence": { "iridescenceFactor": 1 } });
     let coated = Document::new().with("/materials/0/extensions", coat);
-    let coated = coated.with("/extensionsUsed", json!(["KHR_materials_iridescence", "EXT_mesh_gpu_instancing"]));
+    let coated = coated.with("/extensionsUsed", json!(["KHR_materials_iridescence", "EXT_unknown"]));
     warning(&coated, "left out: clearcoatNormalTexture, KHR_materials_iridescence");
-    warning(&coated, "extension EXT_mesh_gpu_instancing");
-    let instances = json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 0 } } });
-    let copied = coated.with("/nodes/0/extensions", instances);
-    warning(&copied, "`thing`: not supported and left out: the copies of its mesh by EXT_mesh_gpu_instancing");
-
-    let lit = Document::new()
-        .with("/extensions", json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "name": "bulb" }] } }))
-        .with("/nodes/0/extensions", json!({ "KHR_lights_punctual": { "light": 0 } }))
-        .with("/skins", json!([{ "joints": [1] }]))
-        .with("/nodes/0/skin", 0.into())
-        .with("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]))
-        .with("/animations", json!([{ "channels": [], "samplers": [] }]));
-    warning(&lit, "light `bulb`, the skin, morph targets");
-    warning(&lit, "animations");
-    assert_eq!((lit.loaded().lights_left_out, Document::new().loaded().lights_left_out), (1, 0));
+    warning(&coated, "extension EXT_unknown");
+    let moving = Document::new().with("/animations", json!([{ "channels": [], "samplers": [] }]));
+    warning(&moving, "shown as it stands at rest");
     warning(
         &Document::new().with("/materials/0/emissiveFactor", json!([-1, 0, -2])),
         "emission is [-1, 0, -2]; [0, 0, 0]",
@@ -384,7 +419,7 @@ fn what_cannot_be_is_refused_with_a_reason() {
         ("/accessors/2/type", "VEC2".into(), "accessors[2]"),
         ("/accessors/0", json!({ "componentType": 5126, "count": 3_000_000_000u64, "type": "VEC3" }), "accessors[0]"),
         ("/bufferViews/0/byteLength", 1000.into(), "beyond its buffer"),
-        ("/bufferViews/0/byteOffset", u64::MAX.into(), "accessors[0]"),
+        ("/bufferViews/0/byteOffset", u64::MAX.into(), "bufferViews[0]: it ends beyond"),
         ("/buffers/0/byteLength", 81.into(), "81 bytes are announced and 80"),
         ("/buffers/0/uri", "missing.bin".into(), "missing.bin"),
         ("/buffers/0/uri", Value::Null, "buffers[0]"),
@@ -457,6 +492,12 @@ fn files_that_are_no_scenes_are_refused() {
         ("scene.gltf", &b""[..], "does not parse as glTF"),
         ("scene.gltf", b"{}", "does not parse as glTF"),
         ("scene.gltf", b"[[[[", "line 1"),
+        (
+            "scene.gltf",
+            br#"{ "asset": { "version": "1.0" }, "scenes": {} }"#,
+            "its version is 1.0, and 2.0 is expected",
+        ),
+        ("scene.gltf", br#"{ "asset": { "version": "2.0" }, "scenes": {} }"#, "expected a sequence"),
         ("scene.glb", b"glTF", "does not parse as binary glTF"),
         ("scene.glb", b"glTF\x02\0\0\0\0\0\0\0", "scene.glb"),
         ("scene.fbx", b"", "convert"),

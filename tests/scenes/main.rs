@@ -4,6 +4,7 @@ mod builtin;
 mod fuzz;
 mod gallery;
 mod gltf;
+mod gltf_moving;
 mod obj;
 mod support;
 mod textures;

@@ -300,6 +300,15 @@ fn names_in_latin_1_are_told_apart() {
 }
 
 #[test]
+fn utf_16_is_read_in_either_order() {
+    for unit in [u16::to_le_bytes, u16::to_be_bytes] {
+        let text: Vec<u8> = format!("\u{feff}o Würfel\n{TRIANGLE}f 1 2 3\n").encode_utf16().flat_map(unit).collect();
+        let loaded = load_files(&[("scene.obj", &text)]).unwrap();
+        assert_eq!(loaded.description.meshes[0].name, "Würfel");
+    }
+}
+
+#[test]
 fn cameras_for_files_without_any() {
     let [from, to] = [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, 4.0, -5.0)];
     let camera = camera_look_at(from, to, 1.0);
@@ -323,8 +332,7 @@ fn cameras_for_files_without_any() {
 
 #[test]
 fn materials_get_the_simplest_bsdf() {
-    let bsdf =
-        |mtl: &str| load_with("f 1 2 3", &format!("newmtl m\n{mtl}")).unwrap().description.materials[0].bsdf;
+    let bsdf = |mtl: &str| load_with("f 1 2 3", &format!("newmtl m\n{mtl}")).unwrap().description.materials[0].bsdf;
     assert!(matches!(bsdf("Kd 1 0 0\nKs 0 0 0\nNs 9"), Bsdf::Lambert(_)));
     assert!(matches!(bsdf("Kd 0 0 0\nKe 1 1 1"), Bsdf::Black));
     assert!(matches!(bsdf("Ks 1 1 1\nillum 3"), Bsdf::Mirror(_)));

@@ -8,6 +8,7 @@ use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 use mlt_core::transport::scene::{Encoding, Filter, Pixels, Texture, Wrap};
 use rayon::prelude::*;
 use std::{
+    borrow::Cow,
     collections::{BTreeMap, HashMap},
     io::Cursor,
     sync::Arc,
@@ -39,19 +40,20 @@ impl Images {
     /// Decodes files, each given by its name and its content, or by why there is none.
     pub fn decode(
         source: &Source,
-        files: BTreeMap<String, Result<Vec<u8>, String>>,
+        files: BTreeMap<String, Result<Cow<[u8]>, String>>,
         warnings: &mut Vec<String>,
     ) -> Result<Self, SceneError> {
-        let known = |bytes: Result<Vec<u8>, String>| bytes.and_then(|bytes| Ok((bytes_of(&bytes)?, bytes)));
-        let files: Vec<_> = files.into_iter().map(|(name, bytes)| (name, known(bytes))).collect();
+        let files: Vec<_> = files
+            .into_iter()
+            .map(|(name, bytes)| (name, bytes.and_then(|bytes| Ok((bytes_of(&bytes)?, bytes)))))
+            .collect();
         let sizes = || files.iter().filter_map(|(_, file)| Some(file.as_ref().ok()?.0));
         if let count @ 1.. = sizes().count() {
             let images = if count == 1 { "image" } else { "images" };
             source.take(sizes().sum(), format!("the pixels of {count} {images}"))?;
         }
-        let decode =
-            |(name, file): (String, Result<(u64, Vec<u8>), String>)| (name, file.and_then(|(_, bytes)| pixels(&bytes)));
-        let results: Vec<_> = files.into_par_iter().map(decode).collect();
+        let decode = |(name, file): (_, Result<(_, _), _>)| (name, file.and_then(|(_, bytes)| pixels(bytes)));
+        let results: Vec<(String, _)> = files.into_par_iter().map(decode).collect();
         let mut images = Self::default();
         for (name, result) in results {
             match result {
@@ -130,7 +132,8 @@ fn limits(bytes: u64) -> Limits {
 }
 
 /// An image with 8 bits a channel.
-fn pixels(file: &[u8]) -> Result<Pixels, String> {
+fn pixels(file: Cow<[u8]>) -> Result<Pixels, String> {
+    let file = &file[..];
     let decoded = guard::catch(|| -> Result<_, String> {
         let mut reader = reader(file)?;
         reader.limits(limits(bytes_of(file)? + MOST_BESIDES));

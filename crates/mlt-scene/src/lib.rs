@@ -39,7 +39,7 @@ pub use environment::{EnvironmentOptions, EnvironmentSource};
 pub use error::SceneError;
 pub use glass::Glass;
 pub use names::instead_of;
-pub use options::LoadOptions;
+pub use options::{LightUnits, LoadOptions};
 pub use text::{MOST_OF_A_MESSAGE, printable};
 
 /// A scene, and what could not be taken over from its file.
@@ -51,8 +51,6 @@ pub struct Loaded {
     pub description: SceneDescription,
     /// One sentence each, for the user.
     pub warnings: Vec<String>,
-    /// Point, spot and directional lights that the scene would show and the description cannot say.
-    pub lights_left_out: usize,
     /// A hash of the files that it was read from, in hexadecimal digits: scenes of different files have different ones.
     pub digest: String,
     /// Whether a neutral sky was put around the scene because nothing in it gives light.

@@ -8,8 +8,23 @@ use crate::environment::EnvironmentOptions;
 pub struct LoadOptions {
     /// Scene of a glTF file to show, by its name; `None`: the file's default one.
     pub scene: Option<String>,
+    /// Time in a glTF file's animations, s; `None`: as it stands without them.
+    pub time_in_animation: Option<f64>,
     /// What transmissive surfaces of a glTF file are taken for.
     pub glass: Glass,
     /// Light from all around.
     pub environment: EnvironmentOptions,
+    /// Units of point, spot and directional lights in a glTF file; `None`: Blender's if that wrote the file, else photometric ones.
+    pub light_units: Option<LightUnits>,
+}
+
+/// What the numbers of point, spot and directional lights in a glTF file mean, beside the radiance of its emissive materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightUnits {
+    /// Candela and lux for Blender's watts, at 683 lm/W: radiance in W/(sr m²), as Blender's own is.
+    Blender,
+    /// Candela and lux: radiance in cd/m², as the specification has it. Also what Blender calls unitless.
+    Photometric,
+    /// Watts of points and spots, W/m² of directions, without any conversion, as Blender can write them.
+    Raw,
 }

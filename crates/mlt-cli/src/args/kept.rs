@@ -50,6 +50,11 @@ pub struct Shard {
 }
 
 impl Shard {
+    /// How many parts there are.
+    pub fn count(self) -> u64 {
+        self.count
+    }
+
     /// Its share of consecutive rounds; all shares differ by one round at most.
     pub fn of(self, whole: Range<u64>) -> Range<u64> {
         let rounds = u128::from(whole.end - whole.start);

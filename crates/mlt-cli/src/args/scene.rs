@@ -35,6 +35,36 @@ impl From<GlassKind> for Glass {
     }
 }
 
+/// What the numbers of lights mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum LightUnits {
+    /// Candela and lux that stand for Blender's watts, at 683 lumens a watt
+    Blender,
+    /// Candela and lux as they are, or Blender's unitless ones
+    Photometric,
+    /// Watts, of suns W/m², that Blender did not convert
+    Raw,
+}
+
+impl From<LightUnits> for mlt_scene::LightUnits {
+    fn from(units: LightUnits) -> Self {
+        match units {
+            LightUnits::Blender => Self::Blender,
+            LightUnits::Photometric => Self::Photometric,
+            LightUnits::Raw => Self::Raw,
+        }
+    }
+}
+
+/// A time in an animation.
+fn moment(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds >= 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("give seconds from the animation's beginning, as in 1.5".into()),
+    }
+}
+
 /// How a scene is read from its file.
 #[derive(Args, Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SceneOptions {
@@ -45,6 +75,12 @@ pub struct SceneOptions {
     /// Glass of a glTF file without KHR_materials_volume: a solid where its mesh is closed (auto), a thin wall, or a solid
     #[arg(long, value_enum, value_name = "KIND", help_heading = "Scene")]
     pub glass: Option<GlassKind>,
+    /// Time in a glTF file's animations, in seconds; without it the file is shown as it stands at rest
+    #[arg(long, value_name = "SECONDS", value_parser = moment, help_heading = "Scene")]
+    pub time_in_animation: Option<f64>,
+    /// What the numbers of point, spot and directional lights in a glTF file mean; Blender's if that wrote the file, else photometric
+    #[arg(long, value_enum, value_name = "UNITS", help_heading = "Scene")]
+    pub light_units: Option<LightUnits>,
     /// Light from all around.
     #[command(flatten)]
     #[serde(flatten)]
@@ -57,6 +93,8 @@ impl SceneOptions {
         LoadOptions {
             scene: self.scene_name.clone(),
             environment: self.environment.of_loader(),
+            time_in_animation: self.time_in_animation,
+            light_units: self.light_units.map(LightUnits::into),
             glass: self.glass.unwrap_or_default().into(),
         }
     }
@@ -90,6 +128,8 @@ mod tests {
         let parse = |words: Vec<String>| Line::parse_from([vec!["mlt".to_owned()], words].concat()).options;
         let words = [
             "--scene=a room, 'lit'",
+            "--time-in-animation=1.5",
+            "--light-units=raw",
             "--environment=1,0.5,0",
             "--environment-rotation=-30",
             "--environment-strength=2.5",

@@ -87,10 +87,10 @@ impl Plan {
         self.shard.map_or(whole.clone(), |shard| shard.of(whole))
     }
 
-    /// Refuses a shard without any round.
+    /// Refuses shards of which some have no round.
     pub fn check(&self) -> Result<(), Failure> {
         match (self.shard, self.rounds) {
-            (Some(shard), Some(rounds)) if self.own().is_empty() => Err(Failure::Usage(anyhow!(
+            (Some(shard), Some(rounds)) if shard.count() > rounds => Err(Failure::Usage(anyhow!(
                 "--shard {shard}: there are only {rounds} rounds to share out; make fewer parts, or more rounds with --rounds"
             ))),
             _ => Ok(()),

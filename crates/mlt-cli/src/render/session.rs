@@ -12,7 +12,7 @@ use super::{
     checkpoint::Checkpoint,
     key::{arguments, key},
     speed::Round,
-    summary::report,
+    summary::{provenance, report},
 };
 use crate::{
     Failure,
@@ -21,7 +21,7 @@ use crate::{
     interrupt::Interrupt,
     kept::{About, Kept, Spent},
     progress::Progress,
-    report::{Decision, Report},
+    report::{Decision, Provenance, Report},
 };
 
 /// Steps of the progress bar.
@@ -63,8 +63,19 @@ pub fn run(
     let go_on = || interrupt.go_on();
     let renderer = Renderer::watched(view, options.settings(per_pixel), Watch::new(&go_on)).ok_or_else(too_early)?;
     let ending = Ending::new(plan.limits(), LUMINANCE, start).expecting(time).showing_error(progress.is_shown());
-    let session =
-        Session { options, setup, plan, renderer, per_pixel, start, cpu, before, held: sums.rounds().count() };
+    let provenance = provenance(options, setup);
+    let session = Session {
+        options,
+        setup,
+        provenance,
+        plan,
+        renderer,
+        per_pixel,
+        start,
+        cpu,
+        before,
+        held: sums.rounds().count(),
+    };
     let mut checkpoint = Checkpoint::new(&options.keeping);
     let outcome = session.renderer.render_until(&ending, plan.own().start, &mut sums, &mut |at, sums| {
         progress.update((at.share * STEPS as f64) as u64, session.rate(at.rounds), at.error);
@@ -89,6 +100,7 @@ fn too_early() -> Failure {
 struct Session<'a> {
     options: &'a RenderOptions,
     setup: &'a Setup,
+    provenance: Provenance,
     plan: Plan,
     renderer: Renderer<'a>,
     /// Mutations or samples a pixel of one round.
@@ -118,13 +130,13 @@ impl Session<'_> {
     /// Which render the rounds are of.
     fn about(&self) -> anyhow::Result<About> {
         let size = self.setup.camera.size().map(|n| n as usize);
-        let (arguments, provenance) = (arguments(self.options, size)?, self.setup.provenance.clone());
+        let (arguments, provenance) = (arguments(self.options, size)?, self.provenance.clone());
         Ok(About { arguments, provenance, whole: self.plan.whole(), spent: self.spent() })
     }
 
     /// Everything but files.
     fn report(&self, sums: &Sums, interrupted: bool) -> Report {
-        let mut report = report(self.options, &self.setup.provenance, sums);
+        let mut report = report(self.options, &self.provenance, sums);
         let missed = self.plan.missed(report.rounds, report.relative_error);
         report.warnings.extend(missed.filter(|_| !interrupted));
         report.decision = self.renderer.decision().map(Decision::from);

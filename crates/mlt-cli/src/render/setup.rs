@@ -73,9 +73,12 @@ fn seen(
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     let kept = if options.keeps_sums() { BYTES_PER_PIXEL_KEPT } else { 0 };
     take_memory(memory, pixels * (BYTES_PER_PIXEL + kept), &format!("an image of {}x{}", size[0], size[1]))?;
-    let scene = Scene::new(loaded.description).map_err(|error| unusable(error, loaded.lights_left_out));
+    let scene = Scene::new(loaded.description);
     // What was left out may be why it fails.
-    let scene = scene.with_context(|| options.scene.display().to_string()).inspect_err(|_| warn_all(warnings))?;
+    let scene = scene
+        .map_err(unusable)
+        .with_context(|| options.scene.display().to_string())
+        .inspect_err(|_| warn_all(warnings))?;
     let camera = scene.camera(&pose, size);
     if scene.dropped() > 0 {
         warnings.push(format!("{} triangles have a corner that is not finite; they are left out", scene.dropped()));
@@ -88,11 +91,11 @@ fn seen(
     Ok((scene, camera, used))
 }
 
-/// The error for a scene that cannot be rendered, with a word on the lights that the file does have.
-fn unusable(error: UnusableScene, lights_left_out: usize) -> anyhow::Error {
-    match (&error, lights_left_out) {
-        (UnusableScene::NoLight, 1..) => {
-            anyhow!("{error}; point, spot and directional lights are not supported, and the file has {lights_left_out}")
+/// The error for a scene that cannot be rendered, with a word on how a file comes by its lights.
+fn unusable(error: UnusableScene) -> anyhow::Error {
+    match error {
+        UnusableScene::NoLight => {
+            anyhow!("{error}; a file by Blender's glTF export has its lamps if Include > Punctual Lights was ticked")
         }
         _ => error.into(),
     }

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use mlt_core::engine::{Film, MutationStats, Pixel, StratumStats, TRUSTED_ROUNDS, Tally};
 use mlt_core::transport::image::{mean_luminance, relative_error};
 use mlt_core::transport::render::{Counts, Sums};
+use mlt_core::transport::scene::Needs;
 
-use super::{blocks::Blocks, losses::losses, trust::trust};
+use super::{Setup, blocks::Blocks, losses::losses, trust::trust};
 use crate::{
     args::{render::RenderOptions, transport::Method},
     report::{Acceptance, Agreement, Provenance, Report, StratumReport},
@@ -93,6 +94,22 @@ fn without_effect(options: &RenderOptions) -> Option<String> {
             "{method} has no chains: --strata, --weights, --variant, --perturbations and --importance have no effect; \
              --method mlt takes them"
         )
+    })
+}
+
+/// Where the image of these options comes from.
+pub fn provenance(options: &RenderOptions, setup: &Setup) -> Provenance {
+    let mut provenance = setup.provenance.clone();
+    provenance.warnings.extend(out_of_reach(options, setup));
+    provenance
+}
+
+/// Light that path tracing has no way to find: no ray meets a light without extent, and none is connected through glass.
+fn out_of_reach(options: &RenderOptions, setup: &Setup) -> Option<String> {
+    let Needs { punctual, specular, .. } = setup.scene.needs();
+    let missed = options.method() == Method::Pt && punctual && specular;
+    missed.then(|| {
+        "pt finds nothing of what glass and mirrors make of point, spot and directional lights; auto, bdpt and mlt do".to_owned()
     })
 }
 

@@ -11,6 +11,6 @@ pub struct Provenance {
     pub scene: String,
     /// The camera.
     pub camera: CameraUsed,
-    /// Warnings of the loader: the parts of the file that it left out.
+    /// Warnings that the scene gives, such as of parts of its file that are left out.
     pub warnings: Vec<String>,
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use mlt_core::transport::Rgb;
-use mlt_core::transport::scene::SceneDescription;
+use mlt_core::transport::scene::{Punctual, SceneDescription};
 use rayon::prelude::*;
 
 use super::{
@@ -88,12 +88,12 @@ impl Subject {
     pub fn load(scene: &Path, reading: &SceneOptions, effort: Effort) -> Result<Self, Failure> {
         let words = [reading.words()?, vec![format!("--size={}", effort.size)]].concat();
         let options = options(&"pt".parse().map_err(run_failure)?, scene, &words)?;
-        let mut emitters = Vec::new();
-        let setup = Setup::edited(&options, |description| emitters = emitters_of(description))?;
-        let count = emitters.len().min(MOST_GROUPS);
+        let mut found = Vec::new();
+        let setup = Setup::edited(&options, |description| found = emitters(description))?;
+        let count = found.len().min(MOST_GROUPS);
         let group = |first: usize| {
-            let names: Vec<_> = emitters.iter().skip(first).step_by(count).map(|(_, name)| name.as_str()).collect();
-            let keep: Vec<_> = emitters.iter().skip(first).step_by(count).map(|(emitter, _)| *emitter).collect();
+            let names: Vec<_> = found.iter().skip(first).step_by(count).map(|(_, name)| name.as_str()).collect();
+            let keep: Vec<_> = found.iter().skip(first).step_by(count).map(|(emitter, _)| *emitter).collect();
             let lit = Setup::edited(&options, |description| put_out_all_but(&keep, description))?;
             Ok::<_, Failure>((names.join(", "), lit))
         };
@@ -203,39 +203,53 @@ fn run_failure(message: String) -> Failure {
 }
 
 /// What gives light.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 enum Emitter {
-    /// The material of this index.
+    /// The material of this number, where a mesh has it.
     Material(usize),
+    /// The light without extent of this number.
+    Punctual(usize),
+    /// All around.
     Environment,
 }
 
-/// Materials of meshes that emit, and the environment, with their names.
-fn emitters_of(description: &SceneDescription) -> Vec<(Emitter, String)> {
-    let used = |index: usize| description.meshes.iter().any(|mesh| mesh.material as usize == index);
-    let emits = |index: usize| description.materials[index].emission != Rgb::ZERO && used(index);
-    let emitting = (0..description.materials.len()).filter(|&index| emits(index));
-    let materials = emitting.map(|index| (Emitter::Material(index), description.materials[index].name.clone()));
-    let environment = description.environment.as_ref().filter(|environment| environment.is_lit());
-    materials.chain(environment.map(|_| (Emitter::Environment, "the environment".into()))).collect()
+/// All of them, with their names.
+fn emitters(description: &SceneDescription) -> Vec<(Emitter, String)> {
+    let SceneDescription { meshes, materials, punctual, environment, .. } = description;
+    let emits = |index: &usize| {
+        materials[*index].emission != Rgb::ZERO && meshes.iter().any(|mesh| mesh.material as usize == *index)
+    };
+    let surfaces = (0..materials.len()).filter(emits);
+    let surfaces = surfaces.map(|index| (Emitter::Material(index), materials[index].name.clone()));
+    let points = punctual.iter().enumerate().map(|(index, light)| (Emitter::Punctual(index), light.name.clone()));
+    let around = environment.iter().filter(|environment| environment.is_lit());
+    let around = around.map(|_| (Emitter::Environment, "the environment".to_owned()));
+    surfaces.chain(points).chain(around).collect()
 }
 
 fn put_out_all_but(kept: &[Emitter], description: &mut SceneDescription) {
-    for (index, material) in description.materials.iter_mut().enumerate() {
-        if !kept.contains(&Emitter::Material(index)) {
-            material.emission = Rgb::ZERO;
-        }
+    let SceneDescription { materials, punctual, environment, .. } = description;
+    let materials = materials.iter_mut().enumerate().map(|(i, m)| (Emitter::Material(i), &mut m.emission));
+    let points = punctual.iter_mut().enumerate().map(|(i, light)| (Emitter::Punctual(i), &mut light.emission));
+    materials.chain(points).filter(|(emitter, _)| !kept.contains(emitter)).for_each(|(_, light)| *light = Rgb::ZERO);
+    if !kept.contains(&Emitter::Environment) {
+        *environment = None;
     }
-    description.environment.take_if(|_| !kept.contains(&Emitter::Environment));
 }
 
 fn nudge_lights(description: &mut SceneDescription) {
     let size = mlt_scene::bounds(description).map_or(0.0, |[low, high]| low.distance(high));
-    let emitting: Vec<bool> = description.materials.iter().map(|m| m.emission != Rgb::ZERO).collect();
-    for mesh in description.meshes.iter_mut().filter(|mesh| emitting[mesh.material as usize]) {
-        mesh.positions.iter_mut().for_each(|p| *p += DVec3::X * (NUDGE * size));
+    let aside = DVec3::X * (NUDGE * size);
+    let SceneDescription { meshes, materials, punctual, environment, .. } = description;
+    for mesh in meshes.iter_mut().filter(|mesh| materials[mesh.material as usize].emission != Rgb::ZERO) {
+        mesh.positions.iter_mut().for_each(|p| *p += aside);
     }
-    if let Some(environment) = &mut description.environment {
+    for light in punctual {
+        if let Punctual::Point { position } | Punctual::Spot { position, .. } = &mut light.kind {
+            *position += aside;
+        }
+    }
+    if let Some(environment) = environment {
         environment.rotation += NUDGE;
     }
 }

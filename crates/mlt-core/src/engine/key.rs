@@ -37,7 +37,7 @@ pub fn generator(seed: u64, purpose: Purpose, round: u64, stratum: u64, index: u
 ///
 /// Source: Steele, Lea & Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 #[inline]
-pub(crate) fn mixed(mut z: u64) -> u64 {
+pub fn mixed(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

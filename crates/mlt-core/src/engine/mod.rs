@@ -55,9 +55,7 @@ pub use estimator::{Estimator, Observer, Outcome, Progress, batch_size, render, 
 pub use exact::ExactSum;
 pub use film::Film;
 pub use importance::Importance;
-#[cfg(feature = "transport")]
-pub(crate) use key::mixed;
-pub use key::{Generator, Purpose, generator, uniform, uniform_f32};
+pub use key::{Generator, Purpose, generator, mixed, uniform, uniform_f32};
 pub use merge::MergeError;
 pub use metropolis::Metropolis;
 pub use mixture::Mixture;

@@ -9,7 +9,7 @@ pub(super) type Paint = usize;
 
 /// Triangles with corners of their own.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Shape {
+pub(crate) struct Shape {
     /// Corners, scene units.
     pub positions: Vec<DVec3>,
     /// Shading normals, one a corner; empty: flat.

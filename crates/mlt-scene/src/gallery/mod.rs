@@ -9,6 +9,9 @@ mod rooms;
 mod shapes;
 mod surfaces;
 
+pub(crate) use document::Shape;
+pub(crate) use shapes::ball;
+
 use document::Document;
 use std::{
     fs, io,

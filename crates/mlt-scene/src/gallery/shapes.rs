@@ -49,7 +49,7 @@ pub(super) fn holed(corner: DVec3, a: DVec3, b: DVec3, low: DVec2, high: DVec2) 
 }
 
 /// A smooth ball: an octahedron whose triangles were each cut into four, `levels` times.
-pub(super) fn ball(centre: DVec3, radius: f64, levels: u32) -> Shape {
+pub(crate) fn ball(centre: DVec3, radius: f64, levels: u32) -> Shape {
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
     let mut triangles: Vec<[DVec3; 3]> = Vec::new();
     for (a, b) in [(x, z), (z, -x), (-x, -z), (-z, x)] {

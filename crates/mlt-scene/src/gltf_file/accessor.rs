@@ -99,15 +99,15 @@ impl<'a> Reader<'a> {
         self.any_vectors(accessor)
     }
 
-    /// The elements of an accessor of two to four components.
+    /// The elements of an accessor of any components, but for small matrices, whose columns are padded.
     pub fn any_vectors(&mut self, accessor: &Accessor) -> Result<Rc<Vectors<'a>>, SceneError> {
         if let Some(known) = self.vectors.get(&accessor.index()) {
             return Ok(known.clone());
         }
         self.check_type(accessor)?;
         let components = accessor.dimensions().multiplicity();
-        if !matches!(accessor.dimensions(), Dimensions::Vec2 | Dimensions::Vec3 | Dimensions::Vec4) {
-            return Err(self.invalid(accessor, "elements of two to four components are expected"));
+        if matches!(accessor.dimensions(), Dimensions::Mat2 | Dimensions::Mat3) {
+            return Err(self.invalid(accessor, "matrices of two or three rows are not expected"));
         }
         let (kind, normalized) = (accessor.data_type(), accessor.normalized());
         let vectors = Rc::new(Vectors { elements: self.elements(accessor)?, kind, normalized, components });
@@ -165,10 +165,7 @@ impl<'a> Reader<'a> {
         if stride < size {
             return Err(self.invalid(accessor, "the stride is shorter than an element"));
         }
-        let buffer = self.buffers.content(&view.buffer())?;
-        let view_end = view.offset().checked_add(view.length());
-        let bytes = view_end.and_then(|end| buffer.get(view.offset()..end));
-        let bytes = bytes.ok_or_else(|| self.invalid(accessor, "its buffer view ends beyond its buffer"))?;
+        let bytes = self.buffers.view(view)?;
         let length = count.checked_sub(1).map_or(Some(0), |last| stride.checked_mul(last)?.checked_add(size));
         let bytes = length.and_then(|n| bytes.get(offset..offset.checked_add(n)?));
         let bytes = bytes.ok_or_else(|| self.invalid(accessor, "it ends beyond its buffer view"))?;

@@ -1,6 +1,10 @@
 //! Where a glTF file's bytes come from: the GLB chunk, data URIs, files beside it.
 
-use super::{CHECK, parse::COMPRESSION, parse::Parsed};
+use super::{
+    CHECK,
+    meshopt::{self, Compressed},
+    parse::Parsed,
+};
 use crate::{
     SceneError,
     source::{Source, has_scheme},
@@ -10,7 +14,10 @@ use base64::{
     alphabet::STANDARD,
     engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
 };
-use gltf::{Buffer, Document, buffer};
+use gltf::{
+    Buffer, Document,
+    buffer::{self, View},
+};
 use std::{cell::OnceCell, io::ErrorKind};
 
 /// Base64 (RFC 4648, 4) whose padding may be missing.
@@ -26,13 +33,18 @@ pub(super) struct Buffers<'a> {
     source: &'a Source<'a>,
     binary: Option<&'a [u8]>,
     read: Vec<OnceCell<Vec<u8>>>,
+    document: &'a Document,
+    /// Of each buffer view that is compressed, its content.
+    decoded: Vec<OnceCell<Vec<u8>>>,
 }
 
 impl<'a> Buffers<'a> {
     /// Reads nothing yet.
     pub fn new(source: &'a Source<'a>, parsed: &'a Parsed) -> Self {
-        let read = parsed.document.buffers().map(|_| OnceCell::new()).collect();
-        Self { source, binary: parsed.binary(), read }
+        let document = &parsed.document;
+        let read = document.buffers().map(|_| OnceCell::new()).collect();
+        let decoded = document.views().map(|_| OnceCell::new()).collect();
+        Self { source, binary: parsed.binary(), read, document, decoded }
     }
 
     /// The content of a buffer, at least as long as the document says.
@@ -56,14 +68,44 @@ impl<'a> Buffers<'a> {
         Ok(bytes)
     }
 
-    /// The content of a buffer view.
-    pub fn view(&self, document: &Document, index: usize) -> Result<Vec<u8>, SceneError> {
-        let invalid = |reason: &str| self.source.invalid(format!("bufferViews[{index}]"), reason, CHECK);
-        let view = document.views().nth(index).ok_or_else(|| invalid("it does not exist"))?;
-        let bytes = self.content(&view.buffer())?;
-        let end = view.offset().checked_add(view.length());
-        let bytes = end.and_then(|end| bytes.get(view.offset()..end));
-        bytes.map(<[u8]>::to_vec).ok_or_else(|| invalid("it ends beyond its buffer"))
+    /// The content of a buffer view, given by its index.
+    pub fn view_at(&self, index: usize) -> Result<&[u8], SceneError> {
+        let view = self.document.views().nth(index).ok_or_else(|| self.invalid(index, "it does not exist"))?;
+        self.view(&view)
+    }
+
+    /// The content of a buffer view, decompressed if need be.
+    pub fn view(&self, view: &View) -> Result<&[u8], SceneError> {
+        let extension = meshopt::NAMES.iter().find_map(|name| Some((*name, view.extension_value(name)?)));
+        let Some((name, value)) = extension else {
+            return self.part(view.index(), &view.buffer(), [view.offset(), view.length()]);
+        };
+        let cell = &self.decoded[view.index()];
+        if cell.get().is_none() {
+            let compressed = Compressed::read(value).ok_or_else(|| self.source.compressed(name))?;
+            _ = cell.set(self.decode(view.index(), &compressed)?);
+        }
+        Ok(cell.get().map_or(&[][..], Vec::as_slice))
+    }
+
+    fn decode(&self, index: usize, compressed: &Compressed) -> Result<Vec<u8>, SceneError> {
+        let buffer = self.document.buffers().nth(compressed.buffer);
+        let buffer = buffer.ok_or_else(|| self.invalid(index, "its compressed content is in no buffer"))?;
+        let bytes = self.part(index, &buffer, [compressed.offset, compressed.length])?;
+        let size = compressed.size().ok_or_else(|| self.invalid(index, "its elements are too many"))?;
+        self.source.take(size as u64, format!("bufferViews[{index}] of {size} bytes"))?;
+        compressed.decode(bytes).ok_or_else(|| self.invalid(index, "its compressed content is damaged"))
+    }
+
+    /// Bytes of a buffer, from an offset on, for a view.
+    fn part(&self, index: usize, buffer: &Buffer, [offset, length]: [usize; 2]) -> Result<&[u8], SceneError> {
+        let bytes = self.content(buffer)?;
+        let bytes = offset.checked_add(length).and_then(|end| bytes.get(offset..end));
+        bytes.ok_or_else(|| self.invalid(index, "it ends beyond its buffer"))
+    }
+
+    fn invalid(&self, view: usize, reason: &str) -> SceneError {
+        self.source.invalid(format!("bufferViews[{view}]"), reason, CHECK)
     }
 
     /// The content that a URI names or holds; `place` names its owner.
@@ -73,8 +115,8 @@ impl<'a> Buffers<'a> {
 
     /// The error for a buffer that has no content: another stands for it, compressed, or it is forgotten.
     fn missing(&self, buffer: &Buffer, place: &str) -> SceneError {
-        let mut names = buffer.extensions().into_iter().flat_map(|map| map.keys());
-        match names.find(|name| COMPRESSION.contains(&name.as_str())) {
+        let fallback = meshopt::NAMES.iter().find(|name| buffer.extension_value(name).is_some());
+        match fallback {
             Some(extension) => self.source.compressed(extension),
             None => self.source.invalid(place, "there is neither a URI nor a binary chunk", CHECK),
         }

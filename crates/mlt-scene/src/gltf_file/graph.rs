@@ -1,9 +1,9 @@
 //! The node graph, flattened.
 
-use super::CHECK;
+use super::{CHECK, animation::Pose};
 use crate::{SceneError, source::Source, text::shown};
-use glam::{DMat4, DQuat, DVec3};
-use gltf::{Document, Node, Scene, scene::Transform};
+use glam::DMat4;
+use gltf::{Document, Node, Scene};
 
 /// A node and its transform to world space.
 pub(super) type Placed<'a> = (Node<'a>, DMat4);
@@ -11,13 +11,14 @@ pub(super) type Placed<'a> = (Node<'a>, DMat4);
 /// The node graph, of which each node is reached once.
 pub(super) struct Graph<'a> {
     document: &'a Document,
+    pose: &'a Pose,
     reached: Vec<bool>,
 }
 
 impl<'a> Graph<'a> {
-    /// The graph of a document, of which nothing is reached yet.
-    pub fn new(document: &'a Document) -> Self {
-        Self { document, reached: vec![false; document.nodes().len()] }
+    /// The graph of a document in a pose, of which nothing is reached yet.
+    pub fn new(document: &'a Document, pose: &'a Pose) -> Self {
+        Self { document, pose, reached: vec![false; document.nodes().len()] }
     }
 
     /// The nodes of the scene of this name, or of the default one, in the file's order.
@@ -62,7 +63,7 @@ impl<'a> Graph<'a> {
             if std::mem::replace(&mut self.reached[node.index()], true) {
                 return Err(node);
             }
-            let to_world = parent * local(&node);
+            let to_world = parent * self.pose.local(&node);
             let first_child = pending.len();
             pending.extend(node.children().map(|child| (child, to_world)));
             pending[first_child..].reverse();
@@ -77,18 +78,5 @@ pub(super) fn place(node: &Node) -> String {
     match node.name() {
         Some(name) => format!("nodes[{}] `{}`", node.index(), shown(name)),
         None => format!("nodes[{}]", node.index()),
-    }
-}
-
-fn local(node: &Node) -> DMat4 {
-    match node.transform() {
-        Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
-        Transform::Decomposed { translation, rotation, scale } => {
-            let rotation = DQuat::from_array(rotation.map(f64::from));
-            let length = rotation.length();
-            let rotation = if length > 0.0 { rotation / length } else { DQuat::IDENTITY };
-            let [translation, scale] = [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
-            DMat4::from_scale_rotation_translation(scale, rotation, translation)
-        }
     }
 }

@@ -1,14 +1,15 @@
 //! glTF's materials.
 
 use super::{
-    texture::{CLEARCOAT, Files, SHEEN, Slot, Slots},
+    texture::{CLEARCOAT, Files, GLOSSINESS, SHEEN, Slot, Slots},
     unsupported,
 };
 use crate::{SceneError, images::Images, range::Range, text::shown};
 use gltf::{Document, material::AlphaMode};
 use mlt_core::transport::Rgb;
 use mlt_core::transport::bsdf::MetallicRoughness;
-use mlt_core::transport::scene::{Alpha, ChannelMap, Encoding, Map, Maps, Material, NormalMap, Texture};
+use mlt_core::transport::scene::{Alpha, ChannelMap, Encoding, Map, Maps, Material, NormalMap, Pixels, Texture};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// How the meshes that a scene shows use its materials: the material's index, one behind the last for glTF's default one, and
@@ -76,8 +77,15 @@ impl Converter<'_> {
         let strength = source.emissive_strength().unwrap_or(1.0);
         let emission = range.colour("the emission", strength * Rgb::from_array(source.emissive_factor()), 1e12);
         let mut factors = parameters(source, &mut range);
+        if let Some(value) = source.extension_value(GLOSSINESS) {
+            factors = glossy(value, factors, &mut range);
+        }
         let slots = Slots::of(source);
         let mut maps = self.maps(&slots);
+        if let Some(roughness) = self.roughness(&slots, 1.0 - factors.roughness) {
+            maps.roughness = Some(roughness);
+            factors.roughness = 1.0;
+        }
         let (opacity, alpha) = opacity(source, &mut maps);
         // The factor of an image that is lost says nothing: it is white as a rule.
         let is_dark = slots.emission.is_some() && maps.emission.is_none();
@@ -97,11 +105,23 @@ impl Converter<'_> {
         let slot = slot?;
         let (name, sampler) = (self.files.name(slot.texture), self.files.sampler(slot.texture));
         let texture = self.images.texture(&name, sampler, encoding)?;
-        Some(Map { texture, set: slot.set.min(1) as u8, transform: slot.transform })
+        Some(slot.map(texture))
     }
 
     fn channel(&mut self, slot: Option<Slot>, channel: u8) -> Option<ChannelMap> {
         self.map(slot, Encoding::Linear).map(|map| ChannelMap { map, channel })
+    }
+
+    /// Roughness of a glossiness with this factor.
+    fn roughness(&mut self, slots: &Slots, factor: f32) -> Option<ChannelMap> {
+        let slot = slots.glossiness?;
+        let rough = |[.., gloss]: [u8; 4]| (255.0 - factor * f32::from(gloss)).round() as u8;
+        let name =
+            self.images.derived(&self.files.name(slot.texture), &format!("roughness by {factor}"), |pixels| {
+                Pixels::new(pixels.size().into(), 1, pixels.iter().map(rough).collect())
+            })?;
+        let texture = self.images.texture(&name, self.files.sampler(slot.texture), Encoding::Linear)?;
+        Some(ChannelMap { map: slot.map(texture), channel: 0 })
     }
 
     /// All but that of the opacity.
@@ -128,7 +148,7 @@ impl Converter<'_> {
 
 /// The opacity, and how it varies: the texture's alpha has its map added.
 fn opacity(source: &gltf::Material, maps: &mut Maps) -> (f32, Alpha) {
-    let [.., factor] = source.pbr_metallic_roughness().base_color_factor();
+    let [.., factor] = base_color(source);
     let alpha = match source.alpha_mode() {
         AlphaMode::Opaque => return (1.0, Alpha::Opaque),
         AlphaMode::Mask => Alpha::Mask(source.alpha_cutoff().unwrap_or(0.5)),
@@ -156,7 +176,7 @@ fn unlit(coloured: bool) -> Maps {
 fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
     const SHARE: [f32; 2] = [0.0, 1.0];
     let pbr = source.pbr_metallic_roughness();
-    let [r, g, b, _] = pbr.base_color_factor();
+    let [r, g, b, _] = base_color(source);
     let specular = source.specular();
     let specular_color = specular.as_ref().map_or([1.0; 3], |s| s.specular_color_factor());
     let transmission = source.transmission().map_or(0.0, |t| t.transmission_factor());
@@ -181,6 +201,32 @@ fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
         ),
         sheen_color: range.colour("the sheen's colour", colour(source, SHEEN, "sheenColorFactor"), 1.0),
         sheen_roughness: range.number("the sheen's roughness", factor(SHEEN, "sheenRoughnessFactor"), SHARE),
+    }
+}
+
+/// The base colour with its alpha.
+fn base_color(source: &gltf::Material) -> [f32; 4] {
+    let Some(value) = source.extension_value(GLOSSINESS) else {
+        return source.pbr_metallic_roughness().base_color_factor();
+    };
+    let channel = |i: usize| value.get("diffuseFactor").and_then(|factor| factor.get(i)?.as_f64());
+    std::array::from_fn(|i| channel(i).map_or(1.0, |x| x as f32))
+}
+
+/// Factors of [`GLOSSINESS`] in the place of glTF's own: a dielectric that reflects specularFactor along its normal.
+fn glossy(value: &Value, modern: MetallicRoughness, range: &mut Range) -> MetallicRoughness {
+    /// Reflectance along the normal of index 1.5.
+    const F0: f32 = 0.04;
+    let number = |value: Option<&Value>| value.and_then(Value::as_f64).map_or(1.0, |x| x as f32);
+    let specular = |i: usize| number(value.get("specularFactor").and_then(|factor| factor.get(i)));
+    let specular = Rgb::new(specular(0), specular(1), specular(2));
+    MetallicRoughness {
+        metallic: 0.0,
+        roughness: 1.0 - range.number("the glossiness", number(value.get("glossinessFactor")), [0.0, 1.0]),
+        ior: 1.5,
+        specular: 1.0,
+        specular_color: range.colour("the specular colour", specular, 1.0) / F0,
+        ..modern
     }
 }
 

@@ -16,9 +16,8 @@ use gltf::{
 use serde_json::{Value, json};
 use std::ops::Range;
 
-/// Extensions that hide the geometry from a reader who does not know them.
-pub(super) const COMPRESSION: &[&str] =
-    &["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+/// The extension that hides the geometry from a reader who does not know it.
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// Bytes that a JSON object takes once it is parsed: a node, the largest that there can be many of.
 const BYTES_PER_OBJECT: u64 = 512;
@@ -52,9 +51,9 @@ pub(super) fn parse(source: &Source) -> Result<Parsed, SceneError> {
     let text = trimmed(&bytes[json]);
     let objects = text.iter().filter(|&&byte| byte == b'{').count() as u64;
     source.take(objects * BYTES_PER_OBJECT, format!("the JSON of {objects} objects"))?;
-    let root = root(text).map_err(|error| syntax(error.to_string()))?;
-    if let Some(extension) = root.extensions_required.iter().find(|e| COMPRESSION.contains(&e.as_str())) {
-        return Err(source.compressed(extension));
+    let root = root(text).map_err(|error| syntax(reason(text, &error)))?;
+    if root.extensions_required.iter().any(|extension| extension == DRACO) {
+        return Err(source.compressed(DRACO));
     }
     validate(source, &root)?;
     Ok(Parsed { document: Document::from_json_without_validation(root), bytes, binary })
@@ -70,8 +69,17 @@ fn root(json: &[u8]) -> Result<Root, serde_json::Error> {
     deserialize::from_slice(json).or_else(|error| relaxed(json).ok_or(error))
 }
 
+/// Why a document is not glTF 2.0: it may be of the first version, which has another shape, or else as the parser says.
+fn reason(json: &[u8], error: &serde_json::Error) -> String {
+    let document = serde_json::from_slice::<Value>(json).unwrap_or_default();
+    match document.pointer("/asset/version").map(|version| version.to_string().replace('"', "")) {
+        Some(version) if version.starts_with('1') => format!("its version is {version}, and 2.0 is expected"),
+        _ => error.to_string(),
+    }
+}
+
 /// The document with what is right by the specification, or an extension to it, and unknown to the parser: a scene without
-/// nodes, any animation or skin (which are counted and no more), an integer that is written with a point.
+/// nodes, an animation of what is no node, an integer that is written with a point.
 fn relaxed(json: &[u8]) -> Option<Root> {
     let mut document: Value = serde_json::from_slice(json).ok()?;
     let mut each = |list: &str, change: fn(&mut Value)| {
@@ -82,10 +90,27 @@ fn relaxed(json: &[u8]) -> Option<Root> {
             scene.entry("nodes").or_insert_with(|| json!([]));
         }
     });
-    each("animations", |animation| *animation = json!({ "channels": [], "samplers": [] }));
-    each("skins", |skin| *skin = json!({ "joints": [] }));
+    each("animations", |animation| {
+        let channels = animation.get_mut("channels").and_then(Value::as_array_mut);
+        channels.into_iter().for_each(|channels| channels.retain(moves_a_node));
+    });
     write_integers(&mut document);
-    deserialize::from_value(document).ok()
+    deserialize::from_value(document.clone()).or_else(|_| deserialize::from_value(at_rest(document))).ok()
+}
+
+/// Whether a channel of an animation moves a node; others move what extensions say.
+fn moves_a_node(channel: &Value) -> bool {
+    channel.pointer("/target/node").is_some_and(Value::is_number)
+}
+
+/// The document without its animations and skins, which are counted and no more.
+fn at_rest(mut document: Value) -> Value {
+    for (list, none) in [("animations", json!({ "channels": [], "samplers": [] })), ("skins", json!({ "joints": [] }))]
+    {
+        let each = document.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten();
+        each.for_each(|item| *item = none.clone());
+    }
+    document
 }
 
 /// Writes 3 for 3.0, everywhere.

@@ -3,14 +3,16 @@
 use super::{
     CHECK,
     accessor::{Reader, Vectors},
-    graph::{Placed, place},
+    graph::place,
+    parse::DRACO,
+    shape::{Standing, Vertices},
 };
 use crate::{
     SceneError,
     geometry::{Attributes, RawMesh},
 };
-use glam::{DMat3, DVec3, Vec2, Vec4};
-use gltf::{Accessor, Primitive, Semantic, mesh::Mode};
+use glam::{DVec3, Vec2, Vec4};
+use gltf::{Accessor, Node, Primitive, Semantic, mesh::Mode};
 use mlt_core::transport::geometry::Mesh;
 use std::rc::Rc;
 
@@ -40,7 +42,7 @@ impl<'a> TextureData<'a> {
 /// The primitive in world space; `None`: it has no triangles. `textured`: whether its material reads textures or colours.
 pub(super) fn mesh(
     reader: &mut Reader,
-    (node, to_world): &Placed,
+    (node, standing): (&Node, &Standing),
     primitive: &Primitive,
     textured: bool,
     warnings: &mut Vec<String>,
@@ -52,25 +54,18 @@ pub(super) fn mesh(
     };
     check_compression(reader, primitive, &positions)?;
     let positions = reader.vectors(&positions)?;
-    let mut normals = primitive.get(&Semantic::Normals).map(|a| reader.vectors(&a)).transpose()?;
-    if normals.as_ref().is_some_and(|n| n.count() != positions.count()) {
-        warnings.push(format!("{place}: there are not as many normals as positions; they are left out"));
-        normals = None;
-    }
-    let corners = corners(reader, primitive, positions.count(), &place)?;
+    let vertices = &Vertices::read(reader, primitive, positions, standing, (&place, warnings))?;
+    let corners = corners(reader, primitive, vertices.count(), &place)?;
     let Some(mut triangles) = triangles(primitive.mode(), &corners) else {
         warnings.push(format!("{place}: points and lines are not supported; they are left out"));
         return Ok(None);
     };
-    let linear = DMat3::from_mat4(*to_world);
-    let mirrored = linear.determinant() < 0.0;
+    let mirrored = corners.first().is_some_and(|&first| vertices.linear(first).determinant() < 0.0);
     if mirrored {
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
-    let to_world_normal = cofactors(linear) * if mirrored { -1.0 } else { 1.0 };
-    let normals = normals.as_deref();
     let data = match textured {
-        true => TextureData::read(reader, primitive, positions.count())?,
+        true => TextureData::read(reader, primitive, vertices.count())?,
         false => TextureData::default(),
     };
     let uv = data.uv.each_ref().map(|set| set.as_deref().map(|set| move |i: u32| Vec2::from(set.at::<2>(i))));
@@ -79,14 +74,15 @@ pub(super) fn mesh(
     let tangent = data.tangents.as_deref().map(|tangents| {
         move |i: u32| {
             let [x, y, z, w] = tangents.at::<4>(i);
-            (linear * DVec3::from_array([x, y, z].map(f64::from))).normalize_or_zero().as_vec3().extend(w * handedness)
+            let tangent = vertices.linear(i) * DVec3::from_array([x, y, z].map(f64::from));
+            tangent.normalize_or_zero().as_vec3().extend(w * handedness)
         }
     });
     let raw = RawMesh {
         name: node.name().or_else(|| node.mesh()?.name()).map_or_else(|| place.clone(), str::to_owned),
         triangles,
-        position: |i| to_world.transform_point3(vector(&positions, i)),
-        normal: normals.map(|n| move |i| (to_world_normal * vector(n, i)).normalize_or_zero().as_vec3()),
+        position: |i| vertices.position(i),
+        normal: vertices.have_normals().then_some(|i| vertices.normal(i).as_vec3()),
         attributes: Attributes {
             uv: uv.each_ref().map(|set| set.as_ref().map(|set| set as &dyn Fn(u32) -> Vec2)),
             colour: colour.as_ref().map(|colour| colour as &dyn Fn(u32) -> Vec4),
@@ -98,7 +94,6 @@ pub(super) fn mesh(
 
 /// Refuses a primitive whose data is found in its compressed form only.
 fn check_compression(reader: &Reader, primitive: &Primitive, positions: &Accessor) -> Result<(), SceneError> {
-    const DRACO: &str = "KHR_draco_mesh_compression";
     match primitive.extension_value(DRACO) {
         Some(_) if positions.view().is_none() => Err(reader.source.compressed(DRACO)),
         _ => Ok(()),
@@ -140,17 +135,8 @@ fn triangles(mode: Mode, corners: &[u32]) -> Option<Vec<[u32; 3]>> {
     })
 }
 
-/// The inverse transpose times the determinant: it maps normals, also where the matrix is singular.
-fn cofactors(m: DMat3) -> DMat3 {
-    DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
-}
-
 /// A colour, opaque where it has no alpha.
 fn rgba(colours: &Vectors, i: u32) -> Vec4 {
     let [r, g, b, a] = colours.at::<4>(i);
     Vec4::new(r, g, b, if colours.components() == 4 { a } else { 1.0 })
-}
-
-fn vector(vectors: &Vectors, i: u32) -> DVec3 {
-    DVec3::from_array(vectors.at::<3>(i).map(f64::from))
 }

@@ -8,8 +8,9 @@ use gltf::{
     json::validation::Checked,
     texture::{MagFilter, WrappingMode},
 };
-use mlt_core::transport::scene::{Filter, Wrap};
+use mlt_core::transport::scene::{Filter, Map, Wrap};
 use serde_json::Value;
+use std::borrow::Cow;
 
 /// Extensions that name another image for a texture, which is not read.
 const UNREAD_FORMATS: [&str; 3] = ["KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"];
@@ -22,6 +23,9 @@ pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
 
 /// The extension for velvet.
 pub(super) const SHEEN: &str = "KHR_materials_sheen";
+
+/// The extension for a diffuse and a specular colour, older than metalness.
+pub(super) const GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// A material's use of a texture.
 #[derive(Clone, Copy)]
@@ -43,6 +47,8 @@ pub(super) struct Slots {
     pub transmission: Option<Slot>,
     pub specular: Option<Slot>,
     pub specular_color: Option<Slot>,
+    /// 1 − roughness, in alpha.
+    pub glossiness: Option<Slot>,
     pub clearcoat: Option<Slot>,
     pub clearcoat_roughness: Option<Slot>,
     pub sheen_color: Option<Slot>,
@@ -60,7 +66,7 @@ impl Slots {
             let transform = normal.extension_value(TRANSFORM).cloned().unwrap_or_default();
             (Slot::new(normal.texture().index(), normal.tex_coord(), &transform), normal.scale())
         });
-        Self {
+        let modern = Self {
             base_color: pbr.base_color_texture().map(Slot::typed),
             metallic_roughness: pbr.metallic_roughness_texture().map(Slot::typed),
             normal,
@@ -68,10 +74,22 @@ impl Slots {
             transmission: material.transmission().and_then(|t| t.transmission_texture()).map(Slot::typed),
             specular: specular.and_then(|s| s.specular_texture()).map(Slot::typed),
             specular_color: specular.and_then(|s| s.specular_color_texture()).map(Slot::typed),
+            glossiness: None,
             clearcoat: Slot::raw(material, CLEARCOAT, "clearcoatTexture"),
             clearcoat_roughness: Slot::raw(material, CLEARCOAT, "clearcoatRoughnessTexture"),
             sheen_color: Slot::raw(material, SHEEN, "sheenColorTexture"),
             sheen_roughness: Slot::raw(material, SHEEN, "sheenRoughnessTexture"),
+        };
+        if material.extension_value(GLOSSINESS).is_none() {
+            return modern;
+        }
+        let specular = Slot::raw(material, GLOSSINESS, "specularGlossinessTexture");
+        Self {
+            base_color: Slot::raw(material, GLOSSINESS, "diffuseTexture"),
+            metallic_roughness: None,
+            specular_color: specular,
+            glossiness: specular,
+            ..modern
         }
     }
 
@@ -85,6 +103,11 @@ impl Slots {
 }
 
 impl Slot {
+    /// As a parameter of the renderer reads it, by the number of its texture there.
+    pub fn map(&self, texture: u32) -> Map {
+        Map { texture, set: self.set.min(1) as u8, transform: self.transform }
+    }
+
     fn typed(info: gltf::texture::Info) -> Self {
         let (mut set, mut transform) = (info.tex_coord(), Affine2::IDENTITY);
         if let Some(found) = info.texture_transform() {
@@ -130,7 +153,7 @@ pub(super) struct Files<'a> {
     pub buffers: &'a Buffers<'a>,
 }
 
-impl Files<'_> {
+impl<'a> Files<'a> {
     /// Index of the image of a texture, or why there is none.
     fn image(&self, texture: usize) -> Result<usize, String> {
         let root = self.parsed.document.as_json();
@@ -157,12 +180,12 @@ impl Files<'_> {
     }
 
     /// The content of a texture's image, or why there is none.
-    pub fn content(&self, texture: usize) -> Result<Vec<u8>, String> {
+    pub fn content(&self, texture: usize) -> Result<Cow<'a, [u8]>, String> {
         let image = self.image(texture)?;
         let json = &self.parsed.document.as_json().images[image];
         let found = match (&json.uri, json.buffer_view) {
-            (Some(uri), _) => self.buffers.read_uri(&format!("images[{image}]"), uri),
-            (None, Some(view)) => self.buffers.view(&self.parsed.document, view.value()),
+            (Some(uri), _) => self.buffers.read_uri(&format!("images[{image}]"), uri).map(Cow::Owned),
+            (None, Some(view)) => self.buffers.view_at(view.value()).map(Cow::Borrowed),
             (None, None) => return Err("it has neither a URI nor a buffer view".to_owned()),
         };
         found.map_err(|error| error.to_string())

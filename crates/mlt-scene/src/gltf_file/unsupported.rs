@@ -1,8 +1,9 @@
 //! Features of a glTF file that change the image and are not rendered, in words.
 
 use super::{
-    graph::{Placed, place},
-    texture::{CLEARCOAT, SHEEN},
+    graph::place,
+    instance,
+    texture::{CLEARCOAT, GLOSSINESS, SHEEN},
 };
 use crate::text::shown;
 use gltf::{Document, Material, Node};
@@ -16,6 +17,7 @@ const KNOWN: &[&str] = &[
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
@@ -28,6 +30,7 @@ const KNOWN: &[&str] = &[
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
+    "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_avif",
     "EXT_texture_webp",
@@ -37,11 +40,8 @@ const KNOWN: &[&str] = &[
 /// A material without any shading.
 const UNLIT: &str = "KHR_materials_unlit";
 
-/// Copies of a node's mesh.
-const INSTANCES: &str = "EXT_mesh_gpu_instancing";
-
-/// Of the whole document.
-pub(super) fn in_document(document: &Document) -> Vec<String> {
+/// Of the whole document, of which a time in its animations is shown or none.
+pub(super) fn in_document(document: &Document, animated: bool) -> Vec<String> {
     let mut named_elsewhere = BTreeSet::new();
     document
         .materials()
@@ -54,38 +54,19 @@ pub(super) fn in_document(document: &Document) -> Vec<String> {
         .filter(|name| !KNOWN.contains(name) && !named_elsewhere.contains(*name))
         .map(|name| format!("the extension {} is not supported; what it says is left out", shown(name)))
         .collect();
-    if document.animations().len() > 0 {
-        warnings.push("animations are not supported; the scene is shown as it stands without them".to_owned());
+    match (document.animations().len() > 0, animated) {
+        (true, false) => warnings
+            .push("the file is animated and shown as it stands at rest; --time-in-animation chooses a time".to_owned()),
+        (false, true) => warnings.push("the file has no animation that can be read, and is shown at rest".to_owned()),
+        _ => {}
     }
     warnings
 }
 
-/// Of one node and its mesh.
+/// Of one node.
 pub(super) fn in_node(node: &Node) -> Option<String> {
-    let mut features = Vec::new();
-    if let Some(light) = node.light() {
-        features.push(format!(
-            "the point, spot or directional light `{}`",
-            shown(light.name().unwrap_or("without a name"))
-        ));
-    }
-    if node.skin().is_some() {
-        features.push("the skin".to_owned());
-    }
-    let primitives = || node.mesh().into_iter().flat_map(|m| m.primitives());
-    if primitives().any(|p| p.morph_targets().len() > 0) {
-        features.push("morph targets".to_owned());
-    }
-    features.extend(node.extensions().into_iter().flat_map(|map| map.keys()).map(|name| match name.as_str() {
-        INSTANCES => format!("the copies of its mesh by {INSTANCES} (it is shown once, at the node itself)"),
-        _ => shown(name),
-    }));
-    sentence(&place(node), features)
-}
-
-/// How many point, spot and directional lights some nodes hold, none of which is rendered.
-pub(super) fn lights(nodes: &[Placed]) -> usize {
-    nodes.iter().filter(|(node, _)| node.light().is_some()).count()
+    let names = node.extensions().into_iter().flat_map(|map| map.keys());
+    sentence(&place(node), names.filter(|name| *name != instance::NAME).map(|name| shown(name)).collect())
 }
 
 /// Of one material.
@@ -102,7 +83,8 @@ pub(super) fn in_material(material: &Material) -> Option<String> {
     ];
     let features = features.iter().filter(|f| f.0).map(|f| f.1.to_owned());
     let names = material.extensions().into_iter().flat_map(|map| map.keys());
-    let extensions = names.filter(|name| ![UNLIT, CLEARCOAT, SHEEN].contains(&name.as_str())).map(|name| shown(name));
+    let extensions =
+        names.filter(|name| ![UNLIT, CLEARCOAT, GLOSSINESS, SHEEN].contains(&name.as_str())).map(|name| shown(name));
     sentence(&place_of(material), features.chain(extensions).collect())
 }
 

@@ -3,7 +3,7 @@
 use super::texture::{PREFIX, READ, Statement};
 use crate::{SceneError, images::Images, source::Source};
 use mlt_core::transport::scene::{ChannelMap, Encoding, Map, Maps, NormalMap, Pixels};
-use std::collections::BTreeMap;
+use std::{borrow::Cow, collections::BTreeMap};
 
 /// Slope of a bump map whose height changes by 1 between two pixels, for `-bm 1`: MTL names no unit.
 const BUMP: f32 = 4.0;
@@ -34,9 +34,9 @@ impl<'a> Statements<'a> {
     }
 
     /// Adds the content of each file, by name, or why there is none.
-    pub fn read(&self, source: &Source, contents: &mut BTreeMap<String, Result<Vec<u8>, String>>) {
+    pub fn read(&self, source: &Source, contents: &mut BTreeMap<String, Result<Cow<[u8]>, String>>) {
         for statement in self.statements.values() {
-            let content = || statement.content(source, self.folder).map_err(|error| error.to_string());
+            let content = || statement.content(source, self.folder).map(Cow::Owned).map_err(|error| error.to_string());
             contents.entry(self.name(statement)).or_insert_with(content);
         }
     }

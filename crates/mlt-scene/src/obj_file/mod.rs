@@ -47,7 +47,7 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     })?;
     let description = describe(source, models, &library, &mut warnings)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { name, description, warnings, lights_left_out: 0, digest: source.digest(), neutral_sky: false })
+    Ok(Loaded { name, description, warnings, digest: source.digest(), neutral_sky: false })
 }
 
 fn parse(source: &Source, reduced: &Reduced, library: &Library) -> Result<Vec<tobj::Model>, SceneError> {

@@ -12,11 +12,9 @@ use std::{
 /// The name of what has none.
 const UNNAMED: &str = "unnamed";
 
-/// A file's text: UTF-8, or else Latin-1. Its lines end in a line feed alone; what `\` continues is one line, and empty lines
-/// behind it keep the count.
+/// A file's text. Its lines end in a line feed alone; what `\` continues is one line, and empty lines behind it keep the count.
 pub(super) fn decode(bytes: Vec<u8>) -> String {
-    let latin = |bytes: Vec<u8>| bytes.into_iter().map(char::from).collect();
-    let mut text = String::from_utf8(bytes).unwrap_or_else(|error| latin(error.into_bytes()));
+    let mut text = characters(bytes);
     if text.starts_with('\u{feff}') {
         text.remove(0);
     }
@@ -24,6 +22,19 @@ pub(super) fn decode(bytes: Vec<u8>) -> String {
         text = text.replace("\r\n", "\n").replace('\r', "\n");
     }
     if text.contains('\\') { joined(&text) } else { text }
+}
+
+/// UTF-16 where a byte order mark says so, UTF-8, or else Latin-1.
+fn characters(bytes: Vec<u8>) -> String {
+    let utf16 = |unit: fn([u8; 2]) -> u16| {
+        let units = bytes.as_chunks().0.iter().copied().map(unit);
+        char::decode_utf16(units).map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+    };
+    match bytes.first_chunk() {
+        Some([0xff, 0xfe]) => utf16(u16::from_le_bytes),
+        Some([0xfe, 0xff]) => utf16(u16::from_be_bytes),
+        _ => String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect()),
+    }
 }
 
 /// The text with each line that ends in `\` joined to the next; a comment does not go on.

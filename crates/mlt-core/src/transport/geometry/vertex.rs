@@ -16,6 +16,10 @@ pub enum Place {
     Surface,
     /// No point but a direction, as a unit vector from the scene: of light that comes from infinitely far away.
     Distant,
+    /// The same, of light that comes from that direction alone.
+    Direction,
+    /// A point without a surface: of light that comes from there alone.
+    Point,
     /// A point of the plane that parallel rays start from, along the normal: of an orthographic camera, which is infinitely far behind it.
     Parallel,
 }
@@ -82,6 +86,12 @@ impl Vertex {
         }
     }
 
+    /// A vertex at the point that a light is, with its axis. It scatters as `material` does, which must be black.
+    pub(crate) fn free(light: u32, [position, axis]: [Vec3A; 2], material: u32) -> Self {
+        let place = Place::Point;
+        Self { position, geometric_normal: axis, shading_normal: axis, place, ..Self::distant(light, axis, material) }
+    }
+
     /// Where an edge to another vertex begins: of a parallel vertex, a point of its plane.
     pub(crate) fn opposite(&self, other: &Self) -> Self {
         if !self.is_parallel() {
@@ -100,7 +110,13 @@ impl Vertex {
     /// Whether it is a direction instead of a point.
     #[inline]
     pub fn is_distant(&self) -> bool {
-        self.place == Place::Distant
+        matches!(self.place, Place::Distant | Place::Direction)
+    }
+
+    /// Whether a ray may meet it by chance.
+    #[inline]
+    pub fn can_be_met(&self) -> bool {
+        !matches!(self.place, Place::Direction | Place::Point)
     }
 
     /// Whether rays leave it in parallel.

@@ -88,7 +88,7 @@ impl<'a> LightTree<'a> {
                 Some([Node::Group { first, last: middle }, Node::Group { first: middle, last }])
             }
             Node::Group { first, .. } => self.halves(Node::Cell { position: first, depth: 0, path: 0 }),
-            Node::Cell { position, depth, path } => (depth < MOST_HALVINGS)
+            Node::Cell { position, depth, path } => (depth < MOST_HALVINGS && self.light(position).1.has_extent())
                 .then(|| [2 * path, 2 * path + 1].map(|path| Node::Cell { position, depth: depth + 1, path })),
         }
     }

@@ -164,7 +164,7 @@ impl LightSampler {
             let (size, last) = (high - low, DVec2::new(high.x.next_down(), high.y.next_down()));
             let share = size.x * size.y;
             let leaf = Leaf { light: id, low, size, last, area: share * light.measure };
-            (leaf, Bound::of(&piece, share * light.power() / total, light.both_sides))
+            (leaf, Bound::of(&piece, share * light.brightness() / total, light.both_sides))
         };
         let (leaves, bounds): (Vec<_>, Vec<_>) = order.iter().map(leaf).unzip();
         let mut nodes = Vec::new();
@@ -308,8 +308,8 @@ struct Bound {
 
 impl Bound {
     fn of(piece: &Piece, power: f64, both_sides: bool) -> Self {
-        let &Piece { low, high, normal, .. } = piece;
-        Self { low, high, axis: normal, spread: 0.0, power, both_sides }
+        let &Piece { low, high, normal, spread, .. } = piece;
+        Self { low, high, axis: normal, spread, power, both_sides }
     }
 
     fn union(a: &Self, b: &Self) -> Self {

@@ -1,7 +1,8 @@
 //! The straight line between two vertices of a path, the first of which is the one towards the light.
 //!
 //! A distant light's vertex is a direction, and its measure is solid angle. Light from there is dE = L |cosθ| dω at the other end,
-//! so the edge has neither 1/d² nor a cosine of its own. The same holds at the other end for an orthographic camera.
+//! so the edge has neither 1/d² nor a cosine of its own. The same holds at the other end for an orthographic camera. A point without a
+//! surface has no cosine of its own either.
 
 use crate::transport::geometry::math::abs_dot;
 use crate::transport::geometry::{Place, Vertex};
@@ -22,14 +23,14 @@ impl Edge {
     #[inline(always)]
     pub(crate) fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
         if x.is_distant() | y.is_parallel() {
-            return Some(Self::endless(if y.is_parallel() { -y.geometric_normal } else { -x.position }, [x, y]));
+            return Some(Self::free(if y.is_parallel() { -y.geometric_normal } else { -x.position }, 1.0, [x, y]));
         }
         // Root and reciprocal do not wait for each other.
         let step = y.position - x.position;
         let square = step.length_squared();
         let inverse_square = 1.0 / square;
         let direction = step * (inverse_square * square.sqrt());
-        (square > 0.0 && inverse_square.is_finite()).then(|| Self::new(direction, inverse_square, [x, y]))
+        (square > 0.0 && inverse_square.is_finite()).then(|| Self::of(direction, inverse_square, [x, y]))
     }
 
     /// Edge that a ray followed, in this unit direction from `x` to `y`.
@@ -40,24 +41,27 @@ impl Edge {
     #[inline(always)]
     pub(crate) fn along(direction: Vec3A, x: &Vertex, y: &Vertex) -> Self {
         if x.is_distant() | y.is_parallel() {
-            return Self::endless(direction, [x, y]);
+            return Self::free(direction, 1.0, [x, y]);
         }
         let square = x.position.distance_squared(y.position).max(f32::MIN_POSITIVE);
-        Self::new(direction, 1.0 / square, [x, y])
+        Self::of(direction, 1.0 / square, [x, y])
     }
 
-    /// An edge of which an end is infinitely far away.
+    /// An edge of which an end has no surface.
     #[cold]
-    fn endless(direction: Vec3A, ends: [&Vertex; 2]) -> Self {
+    fn free(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
         let cos = |end: &Vertex| match end.place {
             Place::Surface => abs_dot(end.geometric_normal, direction),
-            Place::Distant | Place::Parallel => 1.0,
+            Place::Distant | Place::Direction | Place::Point | Place::Parallel => 1.0,
         };
-        Self { direction, inverse_square: 1.0, cosines: ends.map(cos) }
+        Self { direction, inverse_square, cosines: ends.map(cos) }
     }
 
     #[inline(always)]
-    fn new(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
+    fn of(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
+        if ends[0].place == Place::Point {
+            return Self::free(direction, inverse_square, ends);
+        }
         Self { direction, inverse_square, cosines: ends.map(|end| abs_dot(end.geometric_normal, direction)) }
     }
 

@@ -65,10 +65,13 @@ pub(crate) fn reference(vertices: &[PathVertex], i: usize) -> f64 {
     if i == 0 { 1.0 } else { vertices[i].reverse }
 }
 
-/// Whether x_{s−1} and x_s may be connected.
+/// Whether x_{s−1} and x_s may be connected; for s = 0, whether x_0 may be met by chance.
 #[inline(always)]
 pub(crate) fn connectible(vertices: &[PathVertex], s: usize) -> bool {
-    s == 0 || !(vertices[s - 1].vertex.delta || vertices[s].vertex.delta)
+    if s == 0 {
+        return vertices[0].vertex.can_be_met();
+    }
+    !(vertices[s - 1].vertex.delta || vertices[s].vertex.delta)
 }
 
 /// Copies a few vertices. One after the other: what the branches of a general copy do, whose length varies, is hard to foresee.

@@ -1,7 +1,7 @@
 //! Description of a scene, which a loader hands to the renderer.
 
 use super::camera::CameraPose;
-use super::light::Environment;
+use super::light::{Environment, PunctualLight};
 use super::material::Material;
 use super::textures::Texture;
 use crate::transport::geometry::Mesh;
@@ -17,6 +17,8 @@ pub struct SceneDescription {
     pub textures: Vec<Texture>,
     /// The first one is the default; empty: the caller has to choose one.
     pub cameras: Vec<CameraPose>,
+    /// Lights without extent.
+    pub punctual: Vec<PunctualLight>,
     /// Light that comes from all around.
     pub environment: Option<Environment>,
 }
@@ -34,7 +36,9 @@ impl SceneDescription {
     /// Whether anything gives light.
     pub fn is_lit(&self) -> bool {
         let emits = |mesh: &Mesh| self.materials[mesh.material as usize].emission.max_element() > 0.0;
-        self.environment.as_ref().is_some_and(Environment::is_lit) || self.meshes.iter().any(emits)
+        self.environment.as_ref().is_some_and(Environment::is_lit)
+            || self.punctual.iter().any(PunctualLight::is_lit)
+            || self.meshes.iter().any(emits)
     }
 
     /// Name in the file of a mesh's surface, the mesh given by its number.

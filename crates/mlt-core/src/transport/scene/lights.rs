@@ -1,9 +1,9 @@
 //! All lights of a scene.
 
-use super::light::{Environment, Light, LightPoint, Surroundings};
+use super::light::{Environment, Light, LightPoint, PunctualLight, Surroundings};
 use super::material::Material;
 use super::textures::{Attributes, Texture};
-use crate::transport::geometry::{LIGHT, Mesh, Sphere, hilbert};
+use crate::transport::geometry::{LIGHT, Mesh, Space, Sphere, hilbert};
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 
@@ -46,6 +46,12 @@ impl Lights {
     pub(crate) fn surrounded(mut self, environment: Environment, sphere: Sphere) -> Self {
         self.environment = Some(self.lights.len() as u32);
         self.lights.push(Surroundings::light(environment, sphere));
+        self
+    }
+
+    /// With lights that have no extent, as far as they send any light.
+    pub(crate) fn and_punctual(mut self, punctual: &[PunctualLight], space: &Space, sphere: Sphere) -> Self {
+        self.lights.extend(punctual.iter().filter(|light| light.is_lit()).map(|light| light.light(space, sphere)));
         self
     }
 

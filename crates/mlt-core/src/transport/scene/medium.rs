@@ -17,9 +17,10 @@ impl Scene {
 
     #[inline(never)]
     fn attenuation_between(&self, x: &Vertex, y: &Vertex) -> Rgb {
-        if x.is_distant() || y.is_distant() {
+        if x.is_distant() || y.is_distant() || y.is_parallel() {
             return Rgb::ONE;
         }
+        let y = &y.opposite(x);
         let step = x.position - y.position;
         let inside = |end: &Vertex, sign: f32| {
             let leaves_back = !end.is_camera() && sign * end.geometric_normal.dot(step) < 0.0;

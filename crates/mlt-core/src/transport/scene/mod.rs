@@ -29,7 +29,7 @@ pub use camera::{Camera, CameraPose, CameraRay, Lens};
 pub use check::UnusableScene;
 pub use description::{SceneDescription, SurfaceName};
 pub(crate) use light::Piece;
-pub use light::{Environment, Light, LightPoint};
+pub use light::{Environment, Light, LightPoint, Punctual, PunctualLight};
 pub use lights::Lights;
 pub use material::Material;
 pub use needs::Needs;
@@ -101,7 +101,7 @@ impl Scene {
             return Err(UnusableScene::NoTriangle);
         }
         let mut lights = Lights::new(meshes, materials, &description.textures, &triangles);
-        if lights.lights.is_empty() && !needs.environment {
+        if lights.lights.is_empty() && !(needs.environment || needs.punctual) {
             return Err(UnusableScene::NoLight);
         }
         let coarse_size = coarse_size(&triangles);
@@ -115,12 +115,15 @@ impl Scene {
         };
         description.meshes = Vec::new();
         let sphere = Sphere::around(triangles.iter().flatten().copied());
-        let SceneDescription { mut materials, textures, environment, .. } = description;
+        let SceneDescription { mut materials, textures, environment, punctual, .. } = description;
         materials.iter_mut().for_each(|material| material.absorption /= space.length(1.0));
         let environment = environment.filter(|_| needs.environment);
         let background = environment.as_ref().is_some_and(|environment| environment.visible);
+        lights = lights.and_punctual(&punctual, &space, sphere);
         if let Some(environment) = environment {
             lights = lights.surrounded(environment, sphere);
+        }
+        if needs.environment || needs.punctual {
             materials.push(Material::default());
         }
         let accel = Accel::new(&triangles);
@@ -144,7 +147,8 @@ impl Scene {
 
     /// A camera in this scene, for images of `size` pixels.
     pub fn camera(&self, pose: &CameraPose, size: [u32; 2]) -> Camera {
-        let near = self.lights.lights.iter().filter(|light| light.radius_around().is_none());
+        let seen = |light: &&Light| light.radius_around().is_none() && light.has_extent();
+        let near = self.lights.lights.iter().filter(seen);
         let lights = near.map(|light| (light.centre(), light.measure));
         Camera::new(pose, &self.space, size).among(lights)
     }

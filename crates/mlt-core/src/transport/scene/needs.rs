@@ -1,7 +1,7 @@
 //! Needs of a scene: the features that it has, so that what it lacks costs nothing.
 
 use super::description::SceneDescription;
-use super::light::Environment;
+use super::light::{Environment, PunctualLight};
 use super::material::Material;
 use crate::transport::colour::Rgb;
 
@@ -16,6 +16,8 @@ pub struct Needs {
     pub environment: bool,
     /// A solid that absorbs light.
     pub absorbs: bool,
+    /// A light without extent.
+    pub punctual: bool,
     /// A surface whose parameters vary.
     pub textured: bool,
     /// A surface with a normal map.
@@ -25,13 +27,14 @@ pub struct Needs {
 impl Needs {
     /// Of a scene; materials that no mesh has do not count.
     pub(super) fn of(description: &SceneDescription) -> Self {
-        let SceneDescription { meshes, materials, environment, .. } = description;
+        let SceneDescription { meshes, materials, environment, punctual, .. } = description;
         let any = |has: fn(&Material) -> bool| meshes.iter().any(|mesh| has(&materials[mesh.material as usize]));
         Self {
             specular: any(|material| material.bsdf.is_delta()),
             veils: any(Material::is_veil),
             environment: environment.as_ref().is_some_and(Environment::is_lit),
             absorbs: any(|material| material.absorption != Rgb::ZERO),
+            punctual: punctual.iter().any(PunctualLight::is_lit),
             textured: any(|material| material.textured.is_some()),
             normal_maps: any(|material| material.textured.as_ref().is_some_and(|t| t.maps.normal.is_some())),
         }

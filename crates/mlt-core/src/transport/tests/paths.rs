@@ -183,6 +183,6 @@ pub(crate) fn check_recomputed(name: &str, path: &LightPath, world: &World) {
     }
     let x = &path.vertices()[0].vertex;
     let point = world.scene.lights().point(x.primitive, x.position).unwrap();
-    let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
+    let near = |a: f64, b: f64| !x.can_be_met() || (a - b).abs() < 1e-4;
     assert!(point.light == path.light.light && near(point.u, path.light.u) && near(point.v, path.light.v), "{name}");
 }

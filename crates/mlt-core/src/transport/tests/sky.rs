@@ -190,14 +190,14 @@ fn a_wrong_density_of_what_is_sent_is_seen() {
 }
 
 fn settings(method: Method, strata: Stratification) -> Settings {
-    Settings { stratification: strata, max_edges: Some(8), ..Settings::new(method, 64.0) }
+    Settings { stratification: strata, max_edges: Some(8), ..Settings::new(method, 32.0) }
 }
 
 /// Mean luminance of an image and its standard error.
 fn mean_of(world: &World, settings: Settings) -> [f64; 2] {
     let renderer = Renderer::new(world.view(), settings);
     let mut sums = renderer.sums();
-    renderer.render(0..24, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+    renderer.render(0..16, &mut sums, &mut |_, _| ControlFlow::Continue(()));
     let mean = mean_luminance(sums.film());
     [mean.mean, mean.stderr]
 }

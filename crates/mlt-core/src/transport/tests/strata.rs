@@ -113,7 +113,7 @@ fn surface_point(scene: &Scene, light: usize, area: f64, rng: &mut crate::engine
         Shape::Area(Area::Triangles { primitives, vertices, .. }) => {
             primitives.iter().copied().zip(vertices.iter().copied()).collect()
         }
-        Shape::Area(Area::Uneven(_)) | Shape::Environment(_) => Vec::new(),
+        _ => Vec::new(),
     };
     let mut remaining = uniform(rng) * area;
     for (primitive, [a, b, c]) in triangles {

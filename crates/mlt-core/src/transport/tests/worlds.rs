@@ -5,7 +5,7 @@ use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
 use crate::transport::scene::{
     Alpha, Camera, CameraPose, ChannelMap, Encoding, Environment, Filter, Lens, Map, Maps, Material, NormalMap, Pixels,
-    Scene, SceneDescription, Texture, View, Wrap,
+    Punctual, PunctualLight, Scene, SceneDescription, Texture, View, Wrap,
 };
 use glam::{Affine2, DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
@@ -238,6 +238,21 @@ pub(crate) fn veils() -> World {
         .mesh(ball(v(-0.5, 0.5, -0.5), 0.2, false), lamp))
 }
 
+/// The box with a point, a spot and a sun that shines in from the front; no other light.
+pub(crate) fn points() -> World {
+    let v = DVec3::new;
+    let axis = Vec3::new(-0.5, -1.0, -0.2).normalize();
+    let mut builder = walls().surface(ball(v(0.1, -0.35, 0.1), 0.5, true), glass(0.0));
+    builder.0.materials.iter_mut().for_each(|material| material.emission = Rgb::ZERO);
+    let light = |emission: Rgb, kind: Punctual| PunctualLight { name: String::new(), emission, kind };
+    builder.0.punctual = vec![
+        light(Rgb::new(0.5, 0.4, 0.3), Punctual::Point { position: v(-0.6, 0.5, 0.2) }),
+        light(Rgb::ONE, Punctual::Spot { position: v(0.7, 0.8, 0.3), axis, cone: [0.3, 0.6] }),
+        light(Rgb::new(0.3, 0.4, 1.0), Punctual::Directional { along: Vec3::new(0.1, -0.4, -1.0).normalize() }),
+    ];
+    see(builder)
+}
+
 /// The box seen through a lens that blurs its light and most of its balls.
 pub(crate) fn blurred() -> World {
     let lens = Lens::Thin { vertical_fov: 38f32.to_radians(), radius: 0.3, focus: 2.6 };
@@ -388,6 +403,7 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("sky", outdoors(glass(0.0))),
         ("sky on gloss", outdoors(glossy())),
         ("lamps and sky", lamps_and_sky()),
+        ("points and a sun", points()),
         ("thin lens", blurred()),
         ("orthographic camera", parallel()),
         ("textured", textured()),

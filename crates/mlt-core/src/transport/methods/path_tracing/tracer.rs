@@ -81,15 +81,8 @@ impl PathTracer<'_> {
         let drawn = camera.has_tiny_lights() && !vertex.is_met_by_one_ray(&lens);
         let pdf = drawn.then(|| camera.pdf(direction) * passed / vertex.distance_squared(&lens));
         let throughput = scene.attenuation(&vertex, &lens);
-        let walk = Walk {
-            vertex,
-            to_eye: -direction,
-            throughput,
-            pdf,
-            before: camera.vertex(),
-            edges: 1,
-            straight: true,
-        };
+        let walk =
+            Walk { vertex, to_eye: -direction, throughput, pdf, before: camera.vertex(), edges: 1, straight: true };
         self.gather(&walk, rng, visit);
         if self.branches == 1 {
             self.go_on(walk, rng, visit);
@@ -172,7 +165,8 @@ impl PathTracer<'_> {
         }
         let cos = leaving * edge.inverse_square * passed;
         let geometric = arriving * cos;
-        let weight = geometric / density * power_heuristic(density, found.pdf_to_light * cos);
+        let met = if source.can_be_met() { found.pdf_to_light * cos } else { 0.0 };
+        let weight = geometric / density * power_heuristic(density, met);
         Some((emitted * found.value * (weight * scene.attenuation(&source, &walk.vertex)), point))
     }
 

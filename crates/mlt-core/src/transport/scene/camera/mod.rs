@@ -155,7 +155,8 @@ impl Camera {
         }
     }
 
-    /// The film point at which a vertex is seen, in a direction from a vertex on the lens; `None` outside the image.
+    /// The film point at which a vertex is seen, in a direction from a vertex on the lens; `None` outside the image, and
+    /// for what has no extent.
     #[inline(always)]
     pub fn project(&self, lens: &Vertex, seen: &Vertex, direction: Vec3A) -> Option<Vec2> {
         let (film, depth) = match &self.model {
@@ -163,7 +164,7 @@ impl Camera {
             Model::Thin(model) => model.project(lens, direction),
             Model::Orthographic(model) => model.project(seen),
         };
-        let inside = depth > 0.0 && film.cmpge(Vec2::ZERO).all() && film.cmplt(Vec2::ONE).all();
+        let inside = depth > 0.0 && seen.can_be_met() && film.cmpge(Vec2::ZERO).all() && film.cmplt(Vec2::ONE).all();
         inside.then_some(film)
     }
 

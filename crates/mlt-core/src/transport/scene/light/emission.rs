@@ -1,11 +1,11 @@
 //! Emission of a vertex on a light: a surface's is the same radiance in every direction of its front, or of both of its sides.
 
 use super::uneven::Uneven;
-use super::{Area, Light, LightPoint, Shape};
+use super::{Area, Light, LightPoint, Shape, Source};
 use crate::engine::uniform_f32;
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::math::cosine_hemisphere;
-use crate::transport::geometry::{ERROR_FACTOR, Vertex};
+use crate::transport::geometry::{ERROR_FACTOR, Place, Vertex};
 use crate::transport::scene::Scene;
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
@@ -28,14 +28,20 @@ impl Scene {
                 (light, vertex)
             }
             Shape::Environment(around) => (light, self.distant(point.light, around.direction(point.u, point.v))),
+            Shape::Direction(rays) => {
+                (light, Vertex { place: Place::Direction, ..self.distant(point.light, rays.towards) })
+            }
+            Shape::Point(source) => {
+                (light, Vertex::free(point.light, [source.position.into(), source.axis()], self.black()))
+            }
         }
     }
 
-    /// Radiance that a vertex emits into a direction; none where another surface is seen in its place.
+    /// Radiance that a vertex emits into a direction, intensity of one at a point, irradiance of one in a direction; none where another surface is seen in its place.
     #[inline(always)]
     pub fn emitted(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
-        if vertex.is_distant() {
-            return self.radiance_from_afar(vertex);
+        if vertex.place != Place::Surface {
+            return self.emitted_without_surface(vertex, direction);
         }
         let material = self.material(vertex);
         let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
@@ -67,7 +73,11 @@ impl Scene {
     /// M at a vertex on a light.
     #[inline(always)]
     pub(crate) fn exitance(&self, light: &Light, vertex: &Vertex) -> f64 {
-        let emitted = if vertex.is_distant() { self.radiance_from_afar(vertex) } else { light.emission };
+        let emitted = if vertex.place == Place::Distant {
+            self.emitted_without_surface(vertex, vertex.geometric_normal)
+        } else {
+            light.emission
+        };
         light.mean_exitance() * self.relative_exitance(light, vertex, emitted)
     }
 
@@ -96,16 +106,22 @@ impl Scene {
         if vertex.is_distant() {
             return self.sphere.ray_along(-vertex.position, u);
         }
+        if let Some(source) = self.source(vertex) {
+            return (vertex.position, source.direction(u));
+        }
         let back = self.material(vertex).emits_both_sides && uniform_f32(rng) < 0.5;
         vertex.ray(cosine_hemisphere(if back { -vertex.geometric_normal } else { vertex.geometric_normal }, u))
     }
 
-    /// Density of that ray: of its direction, sr⁻¹, cosθ/π, or half that on each of two sides; from a distant vertex of its point on
-    /// the disc that faces the scene, per area.
+    /// Density of that ray: of its direction, sr⁻¹, cosθ/π, or half that on each of two sides; uniform in the cone of a point; from a
+    /// distant vertex of the ray's point on the disc that faces the scene, per area.
     #[inline(always)]
     pub(crate) fn pdf_emission(&self, vertex: &Vertex, direction: Vec3A) -> f32 {
         if vertex.is_distant() {
             return self.sphere.pdf();
+        }
+        if let Some(source) = self.source(vertex) {
+            return source.pdf();
         }
         let cos = vertex.geometric_normal.dot(direction);
         if self.material(vertex).emits_both_sides { 0.5 * cos.abs() * FRAC_1_PI } else { cos.max(0.0) * FRAC_1_PI }
@@ -118,14 +134,34 @@ impl Scene {
     }
 
     fn distant(&self, light: u32, towards: Vec3A) -> Vertex {
-        Vertex::distant(light, towards, self.materials.len() as u32 - 1)
+        Vertex::distant(light, towards, self.black())
+    }
+
+    /// The last material, where lights have no surface.
+    fn black(&self) -> u32 {
+        self.materials.len() as u32 - 1
+    }
+
+    /// The point that a vertex stands for, if it does.
+    #[inline(always)]
+    fn source(&self, vertex: &Vertex) -> Option<&Source> {
+        if vertex.place != Place::Point {
+            return None;
+        }
+        match self.lights.of(vertex.primitive).map(|light| &light.shape) {
+            Some(Shape::Point(source)) => Some(source),
+            _ => None,
+        }
     }
 
     #[cold]
-    fn radiance_from_afar(&self, vertex: &Vertex) -> Rgb {
-        match self.lights.of(vertex.primitive).map(|light| &light.shape) {
-            Some(Shape::Environment(around)) => around.radiance(vertex.position.into()),
-            _ => Rgb::ZERO,
+    fn emitted_without_surface(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
+        let Some(light) = self.lights.of(vertex.primitive) else { return Rgb::ZERO };
+        match &light.shape {
+            Shape::Environment(around) => around.radiance(vertex.position.into()),
+            Shape::Point(source) => light.emission * source.share(direction),
+            Shape::Direction(_) => light.emission,
+            Shape::Area(_) => Rgb::ZERO,
         }
     }
 }

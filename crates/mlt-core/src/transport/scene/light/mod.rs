@@ -2,12 +2,14 @@
 //!
 //! Every light is mapped from the unit square in proportion to its power: a uniform point of the square has the density M/Φ, M being the
 //! exitance there and Φ the light's power. Both refer to the light's own measure, which is area on a surface and solid angle on the
-//! directions that an environment is seen in.
+//! directions that an environment is seen in. What has no extent has all of its measure in one place, onto which the whole square is
+//! mapped.
 
 mod area;
 mod emission;
 mod environment;
 mod piece;
+mod punctual;
 mod uneven;
 
 use crate::transport::colour::{Rgb, luminance};
@@ -18,6 +20,8 @@ pub(crate) use area::Area;
 pub use environment::Environment;
 pub(super) use environment::Surroundings;
 pub(crate) use piece::Piece;
+pub use punctual::{Punctual, PunctualLight};
+use punctual::{Rays, Source};
 
 /// A point of a light: the light, and coordinates in the unit square that it is mapped from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,11 +37,12 @@ pub struct LightPoint {
 /// What light comes from.
 #[derive(Clone, Debug)]
 pub struct Light {
-    /// Radiance, its mean over the light.
+    /// Radiance, its mean over the light; intensity of a point on its axis, irradiance of a direction across its rays.
     pub emission: Rgb,
     /// Emits from the back as well.
     pub both_sides: bool,
-    /// Measure of the whole light: of a surface its area times opacity, scene units²; of an environment 4π sr.
+    /// Measure of the whole light: of a surface its area times opacity, scene units²; of an environment 4π sr;
+    /// 1 without extent.
     pub measure: f64,
     pub(crate) shape: Shape,
 }
@@ -49,24 +54,43 @@ pub(crate) enum Shape {
     Area(Area),
     /// On the directions that a scene is seen from.
     Environment(Box<Surroundings>),
+    /// Wholly on a point.
+    Point(Source),
+    /// Wholly on a direction.
+    Direction(Rays),
 }
 
 impl Light {
     /// Mean of M, the power that is emitted per measure, luminance: π L of a surface, twice that for both sides; π R² L of
-    /// an environment, R being the radius of a sphere around the scene.
+    /// an environment, R being the radius of a sphere around the scene; ∫ I dω of a point, π R² E of a direction.
     #[inline]
     pub fn mean_exitance(&self) -> f64 {
         match &self.shape {
             Shape::Area(_) => f64::from(luminance(self.emission) * PI) * if self.both_sides { 2.0 } else { 1.0 },
             Shape::Environment(around) => f64::from(luminance(self.emission)) * around.cross_section(),
+            Shape::Point(source) => f64::from(luminance(self.emission) * source.solid_angle()),
+            Shape::Direction(rays) => f64::from(luminance(self.emission)) * rays.cross_section(),
         }
+    }
+
+    /// π times the largest intensity that it sends anywhere: of a surface its power.
+    pub(crate) fn brightness(&self) -> f64 {
+        match &self.shape {
+            Shape::Point(_) => f64::from(luminance(self.emission) * PI),
+            _ => self.power(),
+        }
+    }
+
+    /// Whether it is more than one place.
+    pub(crate) fn has_extent(&self) -> bool {
+        !matches!(self.shape, Shape::Point(_) | Shape::Direction(_))
     }
 
     /// M over its mean where the light emits the radiance `emitted`, which is not zero, unless it is uneven.
     #[inline]
     fn relative_exitance(&self, emitted: Rgb) -> f64 {
         match &self.shape {
-            Shape::Area(_) => 1.0,
+            Shape::Area(_) | Shape::Point(_) | Shape::Direction(_) => 1.0,
             Shape::Environment(_) => f64::from(luminance(emitted)) / f64::from(luminance(self.emission)),
         }
     }
@@ -76,11 +100,11 @@ impl Light {
         self.mean_exitance() * self.measure
     }
 
-    /// Largest radiance.
+    /// Largest radiance; without extent, what shows as much where it falls on a surface at the distance 1.
     pub(crate) fn brightest(&self) -> Rgb {
         match &self.shape {
             Shape::Area(Area::Uneven(uneven)) => uneven.brightest,
-            Shape::Area(_) => self.emission,
+            Shape::Area(_) | Shape::Point(_) | Shape::Direction(_) => self.emission,
             Shape::Environment(around) => around.brightest(),
         }
     }
@@ -88,8 +112,9 @@ impl Light {
     /// Of a distant light, which is seen in directions and not at points: radius of the sphere that it sends light into.
     pub(crate) fn radius_around(&self) -> Option<f32> {
         match &self.shape {
-            Shape::Area(_) => None,
+            Shape::Area(_) | Shape::Point(_) => None,
             Shape::Environment(around) => Some(around.radius()),
+            Shape::Direction(rays) => Some(rays.sphere.radius),
         }
     }
 
@@ -98,7 +123,8 @@ impl Light {
     pub(crate) fn pieces(&self, low: DVec2, high: DVec2) -> (u32, Vec<Piece>) {
         match &self.shape {
             Shape::Area(area) => area.pieces(low, high),
-            Shape::Environment(_) => (0, Vec::new()),
+            Shape::Point(source) => (0, vec![source.piece([low, high])]),
+            Shape::Environment(_) | Shape::Direction(_) => (0, Vec::new()),
         }
     }
 
@@ -108,15 +134,17 @@ impl Light {
             Shape::Area(area) => area.sides(),
             // Half a turn from the top to the bottom, a whole one around.
             Shape::Environment(_) => DVec2::new(1.0, 2.0),
+            Shape::Point(_) | Shape::Direction(_) => DVec2::ONE,
         }
     }
 
     /// Cells along u and v of as many columns and rows as were asked for; a mesh is cut along u alone, which runs through its
-    /// triangles, and a column of an environment is one of azimuths, which are v.
+    /// triangles, and a column of an environment is one of azimuths, which are v. What has no extent is one cell.
     pub(crate) fn grid(&self, size: [u32; 2]) -> [u32; 2] {
         match &self.shape {
             Shape::Area(area) => area.grid(size),
             Shape::Environment(_) => [size[1], size[0]],
+            Shape::Point(_) | Shape::Direction(_) => [1, 1],
         }
     }
 
@@ -125,15 +153,18 @@ impl Light {
         match &self.shape {
             Shape::Area(area) => area.centre(),
             Shape::Environment(around) => around.centre(),
+            Shape::Point(source) => source.position,
+            Shape::Direction(rays) => rays.sphere.centre.into(),
         }
     }
 
     /// Coordinates of the point of a surface's triangle number `index` (in the order given) that is nearest to `position`, or of
-    /// the direction `position` of a distant light.
+    /// the direction `position` of a distant light; without extent all are the same.
     pub(crate) fn coordinates(&self, index: u32, position: Vec3) -> (f64, f64) {
         match &self.shape {
             Shape::Area(area) => area.coordinates(index, position),
             Shape::Environment(around) => around.coordinates(position),
+            Shape::Point(_) | Shape::Direction(_) => (0.5, 0.5),
         }
     }
 }

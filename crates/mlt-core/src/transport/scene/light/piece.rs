@@ -13,6 +13,8 @@ pub(crate) struct Piece {
     pub(crate) high: Vec3,
     /// Unit normal of the front.
     pub(crate) normal: Vec3,
+    /// Angle with it up to which light goes out undiminished, radians; beyond that it falls off as from a surface.
+    pub(crate) spread: f64,
 }
 
 impl Piece {
@@ -23,6 +25,7 @@ impl Piece {
             low: corners.iter().copied().fold(Vec3::INFINITY, Vec3::min),
             high: corners.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max),
             normal: (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3(),
+            spread: 0.0,
         }
     }
 }

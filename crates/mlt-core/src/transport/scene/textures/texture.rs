@@ -111,6 +111,9 @@ pub fn srgb_to_linear(encoded: f32) -> f32 {
     if encoded <= 0.04045 { encoded / 12.92 } else { libm::powf((encoded + 0.055) / 1.055, 2.4) }
 }
 
+/// Coordinates from which on none is read.
+const FARTHEST: f32 = 1e9;
+
 /// An image with its sampler.
 #[derive(Clone, Debug)]
 pub struct Texture {
@@ -131,9 +134,11 @@ impl Texture {
         Self { pixels, wrap, filter, decoded, linear }
     }
 
-    /// RGBA at (u, v), which is (0, 0) at the upper left corner of the image and (1, 1) at the lower right one.
+    /// RGBA at (u, v), which is (0, 0) at the upper left corner of the image and (1, 1) at the lower right one. So far away that an
+    /// image is less than a rounding error, and where there is no number, it is that of (0, 0).
     #[inline]
     pub fn at(&self, uv: Vec2) -> Vec4 {
+        let uv = if uv.abs().cmplt(Vec2::splat(FARTHEST)).all() { uv } else { Vec2::ZERO };
         let size = self.pixels.size;
         let position = uv * size.as_vec2();
         if self.filter == Filter::Nearest {
@@ -188,6 +193,18 @@ mod tests {
         assert!((t.at(Vec2::new(0.5, 0.25)).x - 0.5).abs() < 1e-6);
         let centre = (1.0 + srgb_to_linear(0.2) + srgb_to_linear(0.4)) / 4.0;
         assert!((t.at(Vec2::splat(0.5)).x - centre).abs() < 1e-6);
+    }
+
+    #[test]
+    fn coordinates_without_sense_give_some_colour() {
+        for filter in [Filter::Nearest, Filter::Bilinear] {
+            let t = texture(Wrap::Mirror, filter, Encoding::Srgb);
+            for far in [1e8, 1e30, f32::MAX, f32::INFINITY, f32::NAN, -1e30] {
+                for uv in [Vec2::splat(far), Vec2::new(0.5, far), Vec2::new(far, 0.5)] {
+                    assert!(t.at(uv).is_finite() && t.at(uv).min_element() >= 0.0, "{uv}");
+                }
+            }
+        }
     }
 
     /// A uniform square has the mean of the pixels, whatever the filter.

@@ -1,0 +1,121 @@
+//! glTF's punctual lights (KHR_lights_punctual).
+
+use super::graph::{Placed, place};
+use crate::{
+    LightUnits, SceneError,
+    gallery::{Shape, ball},
+    geometry::GeometrySize,
+    source::Source,
+    text::shown,
+};
+use glam::{DMat4, DVec3};
+use gltf::{
+    Document, Node,
+    json::Extras,
+    khr_lights_punctual::{Kind, Light},
+};
+use mlt_core::transport::Rgb;
+use mlt_core::transport::geometry::Mesh;
+use mlt_core::transport::scene::{Material, Punctual, PunctualLight, SceneDescription};
+use serde_json::Value;
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// Lumens that a watt of radiant flux stands for in files of Blender.
+const LUMENS_PER_WATT: f32 = 683.0;
+
+/// How finely a ball is cut: into 8 · 4³ triangles.
+const LEVELS: u32 = 3;
+
+/// A light, and the radius of the ball that it is, if it has an extent.
+pub(super) struct Found {
+    light: PunctualLight,
+    radius: Option<f64>,
+}
+
+/// The lights at some nodes, in the units that were chosen, or that suit the program that wrote the file.
+pub(super) fn lights(
+    document: &Document,
+    nodes: &[Placed],
+    units: Option<LightUnits>,
+    warnings: &mut Vec<String>,
+) -> Vec<Found> {
+    let generator = document.as_json().asset.generator.as_deref().unwrap_or_default();
+    let usual = if generator.contains("Blender") { LightUnits::Blender } else { LightUnits::Photometric };
+    let units = units.unwrap_or(usual);
+    let found = |(node, to_world): &Placed, warnings: &mut Vec<String>| {
+        let source = node.light()?;
+        Some(Found { light: light(&source, node, to_world, units, warnings)?, radius: radius(&source, node) })
+    };
+    nodes.iter().filter_map(|placed| found(placed, warnings)).collect()
+}
+
+/// The radius that Blender's own name for it gives, written as a custom property of the light or of its node.
+fn radius(light: &Light, node: &Node) -> Option<f64> {
+    let number = |extras: &Extras| -> Option<f64> {
+        let value: Value = serde_json::from_str(extras.as_ref()?.get()).ok()?;
+        value.get("shadow_soft_size")?.as_f64().filter(|&radius| radius > 0.0 && radius < 1e9)
+    };
+    number(light.extras()).or_else(|| number(node.extras()))
+}
+
+/// Adds lights to a scene; a point with a radius r as a ball, of radiance 4 I/A, so that its power ∫ π L dA is 4π I.
+pub(super) fn add(found: Vec<Found>, source: &Source, scene: &mut SceneDescription) -> Result<(), SceneError> {
+    for Found { light, radius } in found {
+        let (Punctual::Point { position }, Some(radius)) = (light.kind, radius) else {
+            scene.punctual.push(light);
+            continue;
+        };
+        let Shape { positions, triangles, .. } = ball(position, radius, LEVELS);
+        let mut size = GeometrySize::default();
+        size.add(triangles.len(), true, false);
+        size.take(source)?;
+        let corners = triangles.iter().map(|t| t.map(|i| positions[i as usize]));
+        let area: f64 = corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
+        let emission = light.emission * (4.0 / area) as f32;
+        let (name, material) = (light.name, scene.materials.len() as u32);
+        scene.meshes.push(Mesh { name: name.clone(), positions, triangles, material, ..Mesh::default() });
+        scene.materials.push(Material { name, emission, ..Material::default() });
+    }
+    Ok(())
+}
+
+/// One light; `None`, with a warning, where it is none.
+fn light(
+    light: &Light,
+    node: &Node,
+    to_world: &DMat4,
+    units: LightUnits,
+    warnings: &mut Vec<String>,
+) -> Option<PunctualLight> {
+    let (position, along) = (to_world.transform_point3(DVec3::ZERO), to_world.transform_vector3(DVec3::NEG_Z));
+    let axis = along.normalize_or_zero().as_vec3().normalize_or_zero();
+    let kind = match light.kind() {
+        Kind::Directional => Punctual::Directional { along: axis },
+        Kind::Point => Punctual::Point { position },
+        Kind::Spot { inner_cone_angle, outer_cone_angle } => {
+            let outer = outer_cone_angle.clamp(0.0, FRAC_PI_2);
+            Punctual::Spot { position, axis, cone: [inner_cone_angle.clamp(0.0, outer), outer] }
+        }
+    };
+    let emission = per_unit(units, &kind) * light.intensity() * Rgb::from_array(light.color());
+    let directed = matches!(kind, Punctual::Point { .. }) || axis.is_normalized();
+    let sound = position.is_finite() && directed && emission.is_finite() && emission.min_element() >= 0.0;
+    if !sound {
+        warnings.push(format!(
+            "{}: the light's transform, colour or intensity is not one that a light can have; it is left out",
+            place(node)
+        ));
+        return None;
+    }
+    let name = light.name().or(node.name()).map_or_else(|| format!("light {}", light.index()), shown);
+    Some(PunctualLight { name, emission, kind })
+}
+
+/// Radiance × area, or × solid angle, that the number 1 in the file stands for.
+fn per_unit(units: LightUnits, kind: &Punctual) -> f32 {
+    match (units, kind) {
+        (LightUnits::Blender, _) => LUMENS_PER_WATT.recip(),
+        (LightUnits::Photometric, _) | (LightUnits::Raw, Punctual::Directional { .. }) => 1.0,
+        (LightUnits::Raw, _) => (4.0 * PI).recip(),
+    }
+}
