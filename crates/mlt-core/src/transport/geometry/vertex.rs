@@ -107,6 +107,12 @@ impl Vertex {
         self.primitive == CAMERA
     }
 
+    /// Whether both are on surfaces, or on a lens of which all that holds for a surface holds.
+    #[inline(always)]
+    pub(crate) fn are_on_surfaces(a: &Self, b: &Self) -> bool {
+        (a.place as u8 | b.place as u8) == Place::Surface as u8
+    }
+
     /// Whether it is a direction instead of a point.
     #[inline]
     pub fn is_distant(&self) -> bool {

@@ -53,15 +53,15 @@ impl Scene {
     pub fn surface<'a>(&'a self, vertex: &'a Vertex) -> Surface<'a> {
         let material = self.material(vertex);
         let bsdf = match &material.textured {
-            Some(textured) if self.needs.textured => self.local(textured, vertex),
+            Some(textured) if self.needs.textured => self.local(textured, *vertex),
             _ => Scattering::Uniform(&material.bsdf),
         };
         Surface { vertex, bsdf }
     }
 
     #[inline(never)]
-    fn local(&self, textured: &Textured, vertex: &Vertex) -> Scattering<'_> {
-        let bsdf = textured.bsdf(&self.textures, &self.coordinates(vertex));
+    fn local(&self, textured: &Textured, vertex: Vertex) -> Scattering<'_> {
+        let bsdf = textured.bsdf(&self.textures, &self.coordinates(&vertex));
         Scattering::Local { bsdf, bent: textured.maps.normal.is_some() && !bsdf.is_delta() }
     }
 }
