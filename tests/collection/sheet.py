@@ -1,4 +1,4 @@
-"""Renders every glTF and OBJ file below some folders and puts the images on one sheet: `sheet.py MLT SHEET.png FOLDER …`.
+"""Renders every glTF and OBJ file below some folders and puts the images on one sheet: `sheet.py MLT SHEET.jpg FOLDER …`.
 
 Prints a line a file: the exit code, the mean of the image, and what the program says. A file that is not an image is a grey square.
 """

@@ -71,6 +71,7 @@ impl Vertex {
     }
 
     /// A vertex on a distant light, in the unit direction `towards` it. It scatters as `material` does, which must be black.
+    #[inline(always)]
     pub(crate) fn distant(light: u32, towards: Vec3A, material: u32) -> Self {
         Self {
             position: towards,

@@ -123,15 +123,18 @@ impl Scene {
 
     /// The vertex of the environment that a ray meets which meets nothing else.
     #[cold]
+    #[inline(always)]
     pub(in crate::transport::scene) fn beyond(&self, direction: Vec3A) -> Option<Vertex> {
         self.lights.environment().map(|light| self.distant(light, direction.normalize()))
     }
 
+    #[inline(always)]
     fn distant(&self, light: u32, towards: Vec3A) -> Vertex {
         Vertex::distant(light, towards, self.black())
     }
 
     /// The last material, where lights have no surface.
+    #[inline(always)]
     fn black(&self) -> u32 {
         self.materials.len() as u32 - 1
     }
