@@ -6,6 +6,7 @@ mod diff;
 #[cfg(unix)]
 mod interrupt;
 mod render;
+mod resume;
 mod usage;
 mod verify;
 mod verify_controls;

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::error::ErrorKind;
 
-use crate::terminal;
+use crate::{interrupt, terminal};
 
 /// A run that did not succeed.
 #[derive(Debug)]
@@ -13,9 +13,9 @@ pub enum Failure {
     Usage(anyhow::Error),
     /// Right arguments, but the run failed: exit code 1.
     Run(anyhow::Error),
-    /// Stopped by a signal; what was done so far is written and already reported: exit code 130.
+    /// Stopped by a signal; what was done so far is written and already reported: exit code 128 + the signal.
     Interrupted,
-    /// Stopped by a signal with nothing to show: exit code 130.
+    /// Stopped by a signal with nothing to show: the same.
     InterruptedEarly(anyhow::Error),
 }
 
@@ -31,8 +31,8 @@ impl Failure {
         let (error, code) = match self {
             Self::Usage(error) => (error, 2),
             Self::Run(error) => (error, 1),
-            Self::InterruptedEarly(error) => (error, 130),
-            Self::Interrupted => return ExitCode::from(130),
+            Self::InterruptedEarly(error) => (error, interrupt::exit_code()),
+            Self::Interrupted => return ExitCode::from(interrupt::exit_code()),
         };
         terminal::complain("error", &format!("{error:#}"));
         ExitCode::from(code)

@@ -3,8 +3,8 @@
 use std::{
     ops::ControlFlow,
     sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
+        Arc, LazyLock,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
     },
 };
 
@@ -18,22 +18,38 @@ pub fn outlive_file_limits() {
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
 }
 
+/// Number of the last signal that asked the program to stop; 0 where the system has none.
+static SIGNAL: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
+/// The signal of Ctrl-C.
+const SIGINT: usize = 2;
+
+/// Exit code of a program that a signal stops: 128 and its number, as shells have it.
+pub fn exit_code() -> u8 {
+    let signal = match SIGNAL.load(Ordering::Relaxed) {
+        0 => SIGINT,
+        signal => signal,
+    };
+    128 + signal as u8
+}
+
 /// Tells whether the user (Ctrl-C) or the system (SIGTERM, SIGHUP) asked the program to stop.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// From here on the first signal is only noted, to be polled; the second ends the program at once with exit code
-    /// 130. Can be installed once in a process.
+    /// From here on the first signal is only noted, to be polled; the second ends the program at once with its
+    /// [`exit_code`]. Can be installed once in a process.
     pub fn install() -> anyhow::Result<Self> {
         let interrupt = Self::default();
         let noted = interrupt.clone();
         ctrlc::set_handler(move || {
             if noted.0.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
+                std::process::exit(exit_code().into());
             }
         })
         .context("cannot install the handler for Ctrl-C")?;
+        #[cfg(unix)]
+        note_numbers().context("cannot install the handlers of signals")?;
         Ok(interrupt)
     }
 
@@ -46,4 +62,13 @@ impl Interrupt {
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+}
+
+/// Has the numbers of signals noted, beside what else they do.
+#[cfg(unix)]
+fn note_numbers() -> std::io::Result<()> {
+    use signal_hook::{consts, flag};
+    [consts::SIGINT, consts::SIGTERM, consts::SIGHUP]
+        .into_iter()
+        .try_for_each(|signal| flag::register_usize(signal, Arc::clone(&SIGNAL), signal as usize).map(drop))
 }

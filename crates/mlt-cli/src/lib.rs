@@ -1,6 +1,6 @@
 //! The `mlt` program: command line in, images and reports out.
 //!
-//! Exit codes: 0 success, 1 a failed run, 2 wrong usage, 130 interrupted; an error is one sentence on standard error.
+//! Exit codes: 0 success, 1 a failed run, 2 wrong usage, 128 + N stopped by signal N; an error is one sentence on standard error.
 
 use std::process::ExitCode;
 
@@ -12,6 +12,7 @@ pub mod diff;
 mod exit;
 pub mod image;
 pub mod interrupt;
+pub mod kept;
 pub mod output;
 pub mod progress;
 pub mod render;
@@ -40,6 +41,8 @@ pub fn main() -> ExitCode {
 fn run(cli: &args::Cli) -> Result<(), Failure> {
     match &cli.command {
         args::Command::Render(options) => render::run(options),
+        args::Command::Merge(options) => kept::merge::run(options),
+        args::Command::Info(options) => kept::info::run(options),
         args::Command::Diff(options) => diff::run(options),
         args::Command::Bench(options) => bench::run(options),
         args::Command::Verify(options) => verify::run(options),

@@ -8,7 +8,7 @@ use super::{render::RenderOptions, scene::SceneOptions};
 use crate::exit::one_sentence;
 
 /// Options that all runs of a study share beside [`SceneOptions`], and that a method can therefore not have for itself.
-const SHARED: [&str; 17] = [
+const SHARED: [&str; 21] = [
     "output",
     "max-length",
     "mutations-per-pixel",
@@ -16,6 +16,10 @@ const SHARED: [&str; 17] = [
     "time",
     "error",
     "first-round",
+    "checkpoint",
+    "checkpoint-every",
+    "resume",
+    "shard",
     "seed",
     "threads",
     "size",

@@ -8,6 +8,8 @@ pub mod aperture;
 pub mod bench;
 pub mod contestant;
 pub mod environment;
+pub mod kept;
+pub mod merge;
 pub mod perturbations;
 pub mod render;
 pub mod scene;
@@ -31,6 +33,10 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene
     Render(Box<render::RenderOptions>),
+    /// Add up parts of a render
+    Merge(merge::MergeOptions),
+    /// Tell what a file of a render holds
+    Info(merge::InfoOptions),
     /// Measure how far images are from a reference
     Diff(DiffOptions),
     /// Chart the error of methods against time, rays and mutations

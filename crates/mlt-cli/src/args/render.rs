@@ -5,6 +5,7 @@ use std::{ffi::OsStr, num::NonZeroUsize, path::PathBuf, time::Duration};
 use clap::{ArgGroup, Args};
 use mlt_core::transport::render::Settings;
 
+use super::kept::KeptOptions;
 use super::scene::SceneOptions;
 use super::transport::{Method, TransportOptions};
 use super::values::{duration, exposure, per_pixel, relative_error, threads};
@@ -24,8 +25,12 @@ Examples:
   mlt render room.obj --camera-from 4,3,6 --camera-to 0,1,0 --fov 40
   mlt render ring --strata 4x4 --time 1m           each light cut into 4x4 strata, for a minute
 
-Ctrl-C ends a render early and writes what it has; a second one ends it at once and writes nothing.
-Exit codes: 0 done, 1 failed, 2 wrong usage or a scene that cannot be read, 130 interrupted.";
+  mlt render room.glb --time 8h --checkpoint room.mltp
+  mlt render room.glb --time 1h --resume room.mltp another hour for it, or what a crash has cut off
+  mlt render room.glb --shard 2/3 -o part2.mltp    one of three machines; then mlt merge part?.mltp -o room.exr
+
+Ctrl-C or SIGTERM ends a render early and writes what it has; a second one ends it at once and writes nothing.
+Exit codes: 0 done, 1 failed, 2 wrong usage or a scene that cannot be read, 130 interrupted, 143 by SIGTERM.";
 
 /// Options of `mlt render`.
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -35,8 +40,8 @@ pub struct RenderOptions {
     /// A glTF or OBJ file, or the name of a built-in scene: cornell, ring or suzanne
     #[arg(default_value = "cornell")]
     pub scene: PathBuf,
-    /// Write to FILE, .exr (linear, float) or .png (sRGB); may be given several times. SCENE.exr and SCENE.png in the
-    /// current folder if not given
+    /// Write to FILE, .exr (linear, float), .png (sRGB) or .mltp (exact sums, for 'mlt merge'); may be given several times. SCENE.exr
+    /// and SCENE.png in the current folder if not given
     #[arg(short, long = "output", value_name = "FILE")]
     pub outputs: Vec<OutputFile>,
 
@@ -71,6 +76,9 @@ pub struct RenderOptions {
     #[arg(long, value_name = "N", default_value_t = 0, requires = "rounds", help_heading = "Budget")]
     #[arg(value_parser = clap::value_parser!(u64).range(..=MAX_ROUNDS))]
     pub first_round: u64,
+    /// What outlives the process.
+    #[command(flatten)]
+    pub keeping: KeptOptions,
     /// Threads; all processors if not given. The image does not depend on it
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
@@ -138,13 +146,31 @@ impl RenderOptions {
             return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
         }
         let targets = self.targets();
-        let check = |output: &OutputFile| output::check_target(&output.path).map_err(Failure::Usage);
-        targets.iter().try_for_each(check)?;
-        output::check_apart(&targets).map_err(Failure::Usage)
+        if self.keeping.shard.is_some() && !self.keeps_sums() {
+            return usage(
+                "--shard: images of parts cannot be added up; add -o FILE.mltp, which 'mlt merge' takes".into(),
+            );
+        }
+        output::check_targets(&targets).map_err(Failure::Usage)
+    }
+
+    /// Whether sums are read from a file or written to one.
+    pub fn keeps_sums(&self) -> bool {
+        self.targets().iter().any(OutputFile::holds_sums)
+    }
+
+    /// The files to write in the end. The file that sums are kept in comes first: it is what must not be lost.
+    pub fn targets(&self) -> Vec<OutputFile> {
+        let mut targets = self.images();
+        if let Some(path) = self.keeping.file() {
+            targets.retain(|target| !target.holds_sums() || target.path != path);
+            targets.insert(0, OutputFile { path: path.into(), format: Format::Sums });
+        }
+        targets
     }
 
     /// The files asked for, or SCENE.exr and SCENE.png in the current folder.
-    pub fn targets(&self) -> Vec<OutputFile> {
+    fn images(&self) -> Vec<OutputFile> {
         if !self.outputs.is_empty() {
             return self.outputs.clone();
         }

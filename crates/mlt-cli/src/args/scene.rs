@@ -7,7 +7,10 @@ use clap::{Args, Command, ValueEnum};
 use mlt_scene::{Glass, LoadOptions};
 use serde::Serialize;
 
-use super::{environment::EnvironmentOptions, written::written};
+use super::{
+    environment::EnvironmentOptions,
+    written::{words, written},
+};
 
 /// What transmissive surfaces are taken for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
@@ -98,8 +101,7 @@ impl SceneOptions {
 
     /// As words of a command line.
     pub fn words(&self) -> anyhow::Result<Vec<String>> {
-        let word = |(name, value): (String, String)| format!("--{}={value}", name.replace('_', "-"));
-        Ok(written(self)?.into_iter().map(word).collect())
+        Ok(words(&written(self)?))
     }
 
     /// Whether an option has this name.

@@ -29,6 +29,11 @@ pub fn command_line(options: &[(String, String)]) -> Vec<String> {
     options.iter().map(option).collect()
 }
 
+/// Such pairs as the words of a command line.
+pub fn words(options: &[(String, String)]) -> Vec<String> {
+    options.iter().map(|(name, value)| format!("--{}={value}", name.replace('_', "-"))).collect()
+}
+
 /// `text` as one word for a POSIX shell.
 pub fn shell_word(text: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "_-./:,+=@%".contains(c);

@@ -10,7 +10,7 @@ use std::{
 
 use anyhow::{Context, bail};
 
-use crate::image::Image;
+use crate::{image::Image, kept};
 
 pub mod atomic;
 pub mod exr;
@@ -26,6 +26,8 @@ pub enum Format {
     Exr,
     /// PNG: 8 bits, sRGB, exposed.
     Png,
+    /// Exact sums of rounds, for `mlt merge` and `--resume`.
+    Sums,
 }
 
 /// A file to write, named by the user.
@@ -37,6 +39,13 @@ pub struct OutputFile {
     pub format: Format,
 }
 
+impl OutputFile {
+    /// Whether it is to hold sums; else an image.
+    pub fn holds_sums(&self) -> bool {
+        self.format == Format::Sums
+    }
+}
+
 impl FromStr for OutputFile {
     type Err = String;
 
@@ -46,7 +55,8 @@ impl FromStr for OutputFile {
         match extension.as_deref() {
             Some("exr") => Ok(Self { path, format: Format::Exr }),
             Some("png") => Ok(Self { path, format: Format::Png }),
-            _ => Err("the name has to end in .exr or .png".into()),
+            Some("mltp") => Ok(Self { path, format: Format::Sums }),
+            _ => Err("the name has to end in .exr or .png, or in .mltp for 'mlt merge'".into()),
         }
     }
 }
@@ -71,8 +81,14 @@ pub fn check_target(path: &Path) -> anyhow::Result<()> {
     temporary.map(drop).with_context(|| format!("{name}: cannot write in the folder {}", folder.display()))
 }
 
+/// Finds out before a long run whether the targets can be written, each to a file of its own.
+pub fn check_targets(targets: &[OutputFile]) -> anyhow::Result<()> {
+    targets.iter().try_for_each(|target| check_target(&target.path))?;
+    check_apart(targets)
+}
+
 /// Finds out whether two of the targets are one file, by whatever names.
-pub fn check_apart(targets: &[OutputFile]) -> anyhow::Result<()> {
+fn check_apart(targets: &[OutputFile]) -> anyhow::Result<()> {
     for (index, OutputFile { path, .. }) in targets.iter().enumerate() {
         for OutputFile { path: earlier, .. } in &targets[..index] {
             if path == earlier {
@@ -105,13 +121,14 @@ pub fn read_image(path: &Path) -> anyhow::Result<(Image, Format)> {
     let read = || match format {
         Format::Exr => Ok(exr::read(path)?.image),
         Format::Png => png::read(path),
+        Format::Sums => bail!("{}: sums of rounds, no image; 'mlt merge' makes one of them", path.display()),
     };
     let image = without_panic(read).with_context(|| format!("{}: damaged", path.display()))??;
     Ok((image, format))
 }
 
 /// Runs a decoder; `None` when it panicked, which exr 1.74 does on some damaged B44 data. Says nothing on the terminal.
-fn without_panic<T>(decode: impl FnOnce() -> T) -> Option<T> {
+pub(crate) fn without_panic<T>(decode: impl FnOnce() -> T) -> Option<T> {
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| {}));
     let result = panic::catch_unwind(AssertUnwindSafe(decode));
@@ -119,13 +136,16 @@ fn without_panic<T>(decode: impl FnOnce() -> T) -> Option<T> {
     result.ok()
 }
 
-fn format_of(path: &Path) -> anyhow::Result<Format> {
+/// The format that a file's first bytes say.
+pub fn format_of(path: &Path) -> anyhow::Result<Format> {
     let mut start = Vec::new();
     File::open(path)?.take(8).read_to_end(&mut start)?;
     if start.starts_with(&exr::MAGIC) {
         Ok(Format::Exr)
     } else if start.starts_with(&png::MAGIC) {
         Ok(Format::Png)
+    } else if start.starts_with(&kept::MAGIC) {
+        Ok(Format::Sums)
     } else {
         bail!("neither an OpenEXR nor a PNG file")
     }

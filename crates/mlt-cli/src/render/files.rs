@@ -10,26 +10,32 @@ use crate::{
         written::{command_line, shell_word, written},
     },
     image::Image,
+    kept,
     output::{Format, OutputFile, atomic, exr, png},
     report::Report,
 };
 
 /// Writes all files, on the current rayon pool, and names them in the report. One that cannot be written does not stop the others.
 pub fn write(options: &RenderOptions, finished: Finished) -> Result<Report, Failure> {
-    let Finished { film, mut report, per_pixel, .. } = finished;
-    let (image, stderr) = develop(film)?;
+    let Finished { sums, about, mut report, per_pixel } = finished;
     let attributes = attributes(options, &report, per_pixel)?;
-    let write = |output: &OutputFile| -> anyhow::Result<String> {
-        let bytes = match output.format {
-            Format::Exr => exr::encode(&image, stderr.as_deref(), &attributes)?,
-            Format::Png => png::encode(&image, options.exposure)?,
-        };
-        atomic::write(&output.path, &bytes)?;
+    let save = |output: &OutputFile, bytes: anyhow::Result<Vec<u8>>| -> anyhow::Result<String> {
+        atomic::write(&output.path, &bytes?)?;
         Ok(output.path.display().to_string())
     };
+    let (parts, images): (Vec<_>, Vec<_>) = options.targets().into_iter().partition(OutputFile::holds_sums);
+    let mut saved: Vec<_> = parts.iter().map(|output| save(output, kept::encode(&about, &sums))).collect();
+    if !images.is_empty() {
+        let (image, stderr) = develop(sums.into_parts().0)?;
+        let encode = |output: &OutputFile| match output.format == Format::Exr {
+            true => exr::encode(&image, stderr.as_deref(), &attributes),
+            false => png::encode(&image, options.exposure),
+        };
+        saved.extend(images.iter().map(|output| save(output, encode(output))));
+    }
     let mut failure = None;
-    for output in options.targets() {
-        match write(&output) {
+    for name in saved {
+        match name {
             Ok(name) => report.outputs.push(name),
             Err(error) => failure = failure.or(Some(error)),
         }

@@ -1,9 +1,14 @@
-//! What decides the bits of a render's rounds.
+//! What decides the bits of a render's rounds, and the options that give them again.
 
 use mlt_core::engine::Key;
 
 use super::Setup;
-use crate::args::{render::RenderOptions, values::Size, view::ViewOptions, written::written};
+use crate::args::{
+    render::RenderOptions,
+    values::Size,
+    view::ViewOptions,
+    written::{words, written},
+};
 
 /// Options of the view, with the size that the image has.
 pub fn view(options: &RenderOptions, [width, height]: [usize; 2]) -> ViewOptions {
@@ -21,4 +26,15 @@ pub fn key(options: &RenderOptions, setup: &Setup, per_pixel: f64) -> anyhow::Re
     ];
     let of_render = of_render.map(|(name, value)| (name.to_owned(), value));
     Ok([of_render.to_vec(), written(&options.reading)?, written(&view)?, written(&options.transport)?].concat())
+}
+
+/// The words of `mlt render` that stand for the same image, whatever its budget.
+pub fn arguments(options: &RenderOptions, size: [usize; 2]) -> anyhow::Result<Vec<String>> {
+    let of_render = [("method", options.method().to_string()), ("exposure", options.exposure.to_string())]
+        .map(|(name, value)| (name.to_owned(), value));
+    let pairs =
+        [of_render.to_vec(), written(&options.reading)?, written(&view(options, size))?, written(&options.transport)?]
+            .concat();
+    let scene = ["--".to_owned(), options.scene.display().to_string()];
+    Ok([words(&pairs), scene.to_vec()].concat())
 }

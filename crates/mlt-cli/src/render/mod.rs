@@ -1,6 +1,7 @@
 //! `mlt render`.
 
 mod blocks;
+mod checkpoint;
 mod files;
 mod key;
 mod losses;
@@ -18,28 +19,40 @@ use anyhow::Context;
 use mlt_scene::printable;
 
 use crate::{
-    Failure, args::render::RenderOptions, image::Image, interrupt::Interrupt, print, report::Report, warn, warn_all,
+    Failure,
+    args::render::RenderOptions,
+    image::Image,
+    interrupt::Interrupt,
+    kept::{self, Kept},
+    print,
+    report::Report,
+    warn, warn_all,
 };
 
 pub(crate) use blocks::Blocks;
+pub(crate) use files::write;
 pub(crate) use plan::Plan;
-use session::Finished;
+pub(crate) use session::Finished;
 pub(crate) use setup::Setup;
+pub(crate) use summary::report;
 
 /// Renders, writes the files, and reports.
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     options.check()?;
     let setup = Setup::new(options)?;
-    let plan = Plan::new(options);
+    let kept = options.keeping.resume.as_deref().map(kept::read).transpose()?;
+    let held = kept.as_ref().map(Kept::per_pixel).transpose()?;
+    let plan = Plan::new(options, held);
+    plan.check()?;
     if !options.quiet && !options.have_budget() {
         announce(&plan);
     }
     let threads = options.threads.map_or(0, std::num::NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("cannot start the threads")?;
     let interrupt = Interrupt::install()?;
-    let finished = pool.install(|| session::run(options, &setup, plan, &interrupt))?;
+    let finished = pool.install(|| session::run(options, &setup, plan, &interrupt, kept))?;
     let interrupted = finished.report.interrupted;
-    let report = pool.install(|| files::write(options, finished))?;
+    let report = pool.install(|| write(options, finished))?;
     show(options, &report)?;
     if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }
@@ -58,8 +71,9 @@ pub(crate) struct Rendered {
 
 /// Renders on the current rayon pool and writes nothing.
 pub(crate) fn in_memory(options: &RenderOptions, setup: &Setup, interrupt: &Interrupt) -> Result<Rendered, Failure> {
-    let finished = session::run(options, setup, Plan::new(options), interrupt)?;
-    let Finished { film, report, .. } = finished;
+    let finished = session::run(options, setup, Plan::new(options, None), interrupt, None)?;
+    let Finished { sums, report, .. } = finished;
+    let film = sums.into_parts().0;
     let blocks = film.blocks().into();
     let (image, stderr) = files::develop(film)?;
     Ok(Rendered { image, stderr, report, blocks })
@@ -70,7 +84,8 @@ fn announce(plan: &Plan) {
     let _ = writeln!(std::io::stderr(), "no budget given; {plan}");
 }
 
-fn show(options: &RenderOptions, report: &Report) -> Result<(), Failure> {
+/// Warns, and prints the report as the options have it.
+pub(crate) fn show(options: &RenderOptions, report: &Report) -> Result<(), Failure> {
     warn_all(&report.warnings);
     if report.interrupted {
         let seconds = Duration::from_secs_f64(report.seconds).as_secs();

@@ -1,10 +1,14 @@
 //! From a budget to rounds.
 
-use std::{fmt, time::Duration};
+use std::{fmt, ops::Range, time::Duration};
 
+use anyhow::anyhow;
 use mlt_core::engine::{Limits, TRUSTED_ROUNDS};
 
-use crate::args::{render::RenderOptions, transport::Method};
+use crate::{
+    Failure,
+    args::{kept::Shard, render::RenderOptions, transport::Method},
+};
 
 /// Rounds of a render whose budget says nothing else.
 const ROUNDS: u64 = 16;
@@ -27,6 +31,10 @@ pub struct Plan {
     pub per_pixel: Option<f64>,
     /// Number of rounds; `None`: until the end comes.
     pub rounds: Option<u64>,
+    /// Number of the first one.
+    pub first: u64,
+    /// The part of the rounds that is made; `None`: all.
+    pub shard: Option<Shard>,
     /// Time on the clock for everything after loading.
     pub time: Option<Duration>,
     /// Relative error to reach.
@@ -35,20 +43,27 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan for what was asked for, or a sensible one.
-    pub fn new(options: &RenderOptions) -> Self {
-        let (method, rounds) = (options.method(), options.rounds);
-        let open = Self { per_pixel: None, rounds, time: None, error: None, method };
+    /// The plan for what was asked for, or a sensible one. `held`: mutations or samples a pixel of the rounds that there are already,
+    /// if any.
+    pub fn new(options: &RenderOptions, held: Option<f64>) -> Self {
+        let (method, rounds, first, shard) =
+            (options.method(), options.rounds, options.first_round, options.keeping.shard);
+        let open = Self { per_pixel: held, rounds, first, shard, time: None, error: None, method };
         match (options.per_pixel(), options.time, options.error) {
             (Some(total), ..) => open.sized(total),
             (_, Some(time), _) => Self { time: Some(time), ..open },
-            (.., Some(error)) => Self { per_pixel: Some(Self::usual(method) / 8.0), error: Some(error), ..open },
+            (.., Some(error)) => {
+                Self { per_pixel: held.or(Some(Self::usual(method) / 8.0)), error: Some(error), ..open }
+            }
             _ => open.sized(Self::usual(method)),
         }
     }
 
-    /// `total` mutations or samples a pixel, over all rounds.
+    /// `total` mutations or samples a pixel, over all rounds: as many of the held size as come nearest, if nobody says how many.
     fn sized(self, total: f64) -> Self {
+        if let (Some(held), None) = (self.per_pixel, self.rounds) {
+            return Self { rounds: Some((total / held).round().max(1.0) as u64), ..self };
+        }
         let most = if self.method.mutates() { u64::MAX } else { (total as u64).max(1) };
         let usual = ROUNDS.max((total / self.largest_round()).ceil() as u64);
         let rounds = self.rounds.unwrap_or(usual.min(most));
@@ -61,9 +76,32 @@ impl Plan {
         if self.method.mutates() { LARGEST_CHAINS } else { LARGEST_SAMPLES }
     }
 
+    /// Numbers of all rounds, over all shards; `None`: until the end comes.
+    pub fn whole(&self) -> Option<Range<u64>> {
+        self.rounds.map(|rounds| self.first..self.first + rounds)
+    }
+
+    /// Numbers of the rounds that are made here.
+    pub fn own(&self) -> Range<u64> {
+        let whole = self.whole().unwrap_or(self.first..u64::MAX);
+        self.shard.map_or(whole.clone(), |shard| shard.of(whole))
+    }
+
+    /// Refuses shards of which some have no round.
+    pub fn check(&self) -> Result<(), Failure> {
+        match (self.shard, self.rounds) {
+            (Some(shard), Some(rounds)) if shard.count() > rounds => Err(Failure::Usage(anyhow!(
+                "--shard {shard}: there are only {rounds} rounds to share out; make fewer parts, or more rounds with --rounds"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     /// Where the render ends.
     pub fn limits(&self) -> Limits {
-        Limits { rounds: self.rounds, time: self.time, error: self.error }
+        let own = self.own();
+        let rounds = self.rounds.map(|_| own.end - own.start);
+        Limits { rounds, time: self.time, error: self.error }
     }
 
     /// The warning if the error that was asked for is not reached.
@@ -127,7 +165,9 @@ mod tests {
 
     #[test]
     fn an_error_that_is_missed_is_told() {
-        let plan = Plan { per_pixel: None, rounds: None, time: None, error: Some(0.02), method: Method::Pt };
+        let open =
+            Plan { per_pixel: None, rounds: None, first: 0, shard: None, time: None, error: None, method: Method::Pt };
+        let plan = Plan { error: Some(0.02), ..open };
         assert!(plan.missed(64, None).expect("a sentence").contains("2 % cannot be reached"));
         assert!(plan.missed(9, Some(0.03)).expect("a sentence").contains("is 3.00 %"));
         assert_eq!(plan.missed(9, Some(0.02)), None);

@@ -1,20 +1,27 @@
 //! A render from options to its report.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use mlt_core::engine::{Ending, Film, Outcome, Watch};
+use mlt_core::engine::{Ending, Outcome, Watch};
 use mlt_core::transport::LUMINANCE;
-use mlt_core::transport::render::{Renderer, Sums};
+use mlt_core::transport::render::{Renderer, Sums, film_of};
 use mlt_core::transport::scene::View;
 
-use super::{Plan, Setup, blocks::Blocks, key::key, speed::Round, summary::report, trust::trust};
+use super::{
+    Plan, Setup,
+    checkpoint::Checkpoint,
+    key::{arguments, key},
+    speed::Round,
+    summary::{provenance, report},
+};
 use crate::{
     Failure,
     args::{render::RenderOptions, transport::Method},
     check_memory, cpu_seconds,
     interrupt::Interrupt,
+    kept::{About, Kept, Spent},
     progress::Progress,
-    report::{Agreement, Decision, Report},
+    report::{Decision, Provenance, Report},
 };
 
 /// Steps of the progress bar.
@@ -27,40 +34,62 @@ const BYTES_PER_SAMPLE: f64 = 64.0;
 
 /// A render that is over.
 pub struct Finished {
-    /// Its image.
-    pub film: Film<3>,
+    /// Its rounds.
+    pub sums: Sums,
+    /// Which render they are of.
+    pub about: About,
     /// Its report, without the files.
     pub report: Report,
     /// Mutations or samples a pixel of one round.
     pub per_pixel: f64,
 }
 
-/// Renders on the current rayon pool.
-pub fn run(options: &RenderOptions, setup: &Setup, plan: Plan, interrupt: &Interrupt) -> Result<Finished, Failure> {
+/// Renders on the current rayon pool, going on from `kept` rounds if there are some.
+pub fn run(
+    options: &RenderOptions,
+    setup: &Setup,
+    plan: Plan,
+    interrupt: &Interrupt,
+    kept: Option<Kept>,
+) -> Result<Finished, Failure> {
     let (start, cpu) = (Instant::now(), cpu_seconds());
     let view = View { scene: &setup.scene, camera: &setup.camera };
     let progress = Progress::new(STEPS, options.method().unit(), options.quiet);
     progress.prepare();
     let Round { per_pixel, time } = Round::new(options, view, &plan, interrupt);
     require_memory_for_round(options.method(), per_pixel, setup)?;
+    let mut sums = Sums::new(film_of(view)).with_key(key(options, setup, per_pixel)?);
+    let before = kept.map_or(Ok(Spent::NONE), |kept| kept.resume(&mut sums, plan.own()))?;
     let go_on = || interrupt.go_on();
     let renderer = Renderer::watched(view, options.settings(per_pixel), Watch::new(&go_on)).ok_or_else(too_early)?;
     let ending = Ending::new(plan.limits(), LUMINANCE, start).expecting(time).showing_error(progress.is_shown());
-    let mut sums = renderer.sums().with_key(key(options, setup, per_pixel)?);
-    let session = Session { options, setup, plan, renderer, per_pixel, start };
-    let outcome = session.renderer.render_until(&ending, options.first_round, &mut sums, &mut |at, _| {
+    let provenance = provenance(options, setup);
+    let session = Session {
+        options,
+        setup,
+        provenance,
+        plan,
+        renderer,
+        per_pixel,
+        start,
+        cpu,
+        before,
+        held: sums.rounds().count(),
+    };
+    let mut checkpoint = Checkpoint::new(&options.keeping);
+    let outcome = session.renderer.render_until(&ending, plan.own().start, &mut sums, &mut |at, sums| {
         progress.update((at.share * STEPS as f64) as u64, session.rate(at.rounds), at.error);
+        if at.rounds.fract() == 0.0 {
+            checkpoint.offer(|| session.about(), sums);
+        }
         interrupt.go_on()
     });
     progress.finish();
     if sums.film().rounds() == 0 {
         return Err(too_early());
     }
-    let interrupted = outcome == Outcome::Stopped && interrupt.requested();
-    let mut report = session.report(&sums, interrupted);
-    report.seconds = start.elapsed().as_secs_f64();
-    report.cpu_seconds = cpu_seconds().zip(cpu).map(|(now, then)| now - then);
-    Ok(Finished { film: sums.into_parts().0, report, per_pixel })
+    let report = session.report(&sums, outcome == Outcome::Stopped && interrupt.requested());
+    Ok(Finished { about: session.about()?, sums, report, per_pixel })
 }
 
 fn too_early() -> Failure {
@@ -71,30 +100,48 @@ fn too_early() -> Failure {
 struct Session<'a> {
     options: &'a RenderOptions,
     setup: &'a Setup,
+    provenance: Provenance,
     plan: Plan,
     renderer: Renderer<'a>,
     /// Mutations or samples a pixel of one round.
     per_pixel: f64,
     start: Instant,
+    /// Processor time before it, s.
+    cpu: Option<f64>,
+    /// What its rounds have taken in earlier processes.
+    before: Spent,
+    /// How many these are.
+    held: u64,
 }
 
 impl Session<'_> {
     /// Mutations or samples a second, after so many rounds.
     fn rate(&self, rounds: f64) -> f64 {
-        rounds * self.per_pixel * f64::from(self.setup.camera.pixels()) / self.start.elapsed().as_secs_f64()
+        let made = rounds - self.held as f64;
+        made * self.per_pixel * f64::from(self.setup.camera.pixels()) / self.start.elapsed().as_secs_f64()
     }
 
-    /// Everything but times and files.
+    /// What the rounds have taken so far.
+    fn spent(&self) -> Spent {
+        let processors = cpu_seconds().zip(self.cpu).map(|(now, then)| Duration::from_secs_f64((now - then).max(0.0)));
+        Spent { clock: self.start.elapsed(), processors }.and(self.before)
+    }
+
+    /// Which render the rounds are of.
+    fn about(&self) -> anyhow::Result<About> {
+        let size = self.setup.camera.size().map(|n| n as usize);
+        let (arguments, provenance) = (arguments(self.options, size)?, self.provenance.clone());
+        Ok(About { arguments, provenance, whole: self.plan.whole(), spent: self.spent() })
+    }
+
+    /// Everything but files.
     fn report(&self, sums: &Sums, interrupted: bool) -> Report {
-        let (film, counts, blocks) = (sums.film(), sums.tally(), &Blocks::from(sums.film().blocks()));
-        let mut report = report(self.options, self.setup, film, counts);
-        report.agreement = blocks.agreement().filter(|_| counts.steps() > 0);
-        report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));
-        report.warnings.extend(self.plan.missed(film.rounds(), report.relative_error).filter(|_| !interrupted));
-        report.trust = trust(film, counts, blocks, self.setup.camera.size());
-        report.warnings.extend(report.trust.doubts());
+        let mut report = report(self.options, &self.provenance, sums);
+        let missed = self.plan.missed(report.rounds, report.relative_error);
+        report.warnings.extend(missed.filter(|_| !interrupted));
         report.decision = self.renderer.decision().map(Decision::from);
         report.interrupted = interrupted;
+        report.set_time(self.spent());
         report
     }
 }

@@ -6,28 +6,32 @@ use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, Su
 use mlt_scene::Loaded;
 
 use super::pose::pose;
-use crate::{Failure, args::render::RenderOptions, memory, report::CameraUsed, take_memory, warn_all};
+use crate::{
+    Failure,
+    args::render::RenderOptions,
+    memory,
+    report::{CameraUsed, Provenance},
+    take_memory, warn_all,
+};
 
 /// Side of an image whose size is not given, pixels.
 const USUAL_SIDE: f64 = 512.0;
 /// Bytes a pixel: the film's sums and current round, the image, and the files in the making. 172 to 180 were measured.
 const BYTES_PER_PIXEL: u64 = 192;
+/// The same for sums that are read from a file or written to one.
+const BYTES_PER_PIXEL_KEPT: u64 = 320;
 
 /// The scene and the camera to render.
 #[derive(Debug)]
 pub struct Setup {
-    /// Name for the report.
-    pub name: String,
+    /// Where the image comes from.
+    pub provenance: Provenance,
     /// A hash of the scene's files.
     pub digest: String,
     /// Surfaces and lights.
     pub scene: Scene,
     /// Where it is seen from, with the image's size.
     pub camera: Camera,
-    /// Its name, and where it comes from.
-    pub camera_used: CameraUsed,
-    /// Warnings of the loader: the parts of the file that it left out.
-    pub warnings: Vec<String>,
     /// The memory that the scene and the film leave for the rounds.
     pub memory: Memory,
 }
@@ -49,8 +53,9 @@ impl Setup {
             let words = "nothing in the file gives light, so a neutral sky does";
             warnings.push(format!("{words}; --environment chooses another, or none"));
         }
-        let (scene, camera, camera_used) = seen(options, loaded, &memory, &mut warnings)?;
-        Ok(Self { name: options.scene.display().to_string(), digest, scene, camera, camera_used, warnings, memory })
+        let (scene, camera, used) = seen(options, loaded, &memory, &mut warnings)?;
+        let provenance = Provenance { scene: options.scene.display().to_string(), camera: used, warnings };
+        Ok(Self { provenance, digest, scene, camera, memory })
     }
 }
 
@@ -66,7 +71,8 @@ fn seen(
     let (pose, used) = pose(options, &loaded.description, framing)?;
     let size = size(options, &pose);
     let pixels = u64::from(size[0]) * u64::from(size[1]);
-    take_memory(memory, pixels * BYTES_PER_PIXEL, &format!("an image of {}x{}", size[0], size[1]))?;
+    let kept = if options.keeps_sums() { BYTES_PER_PIXEL_KEPT } else { 0 };
+    take_memory(memory, pixels * (BYTES_PER_PIXEL + kept), &format!("an image of {}x{}", size[0], size[1]))?;
     let scene = Scene::new(loaded.description);
     // What was left out may be why it fails.
     let scene = scene

@@ -28,19 +28,19 @@ pub struct Round {
 impl Round {
     /// As planned, or measured to suit the time.
     pub fn new(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> Self {
-        match plan.per_pixel {
-            Some(per_pixel) => Self { per_pixel, time: Duration::ZERO },
-            None => measured(options, view, plan, interrupt),
+        match (plan.per_pixel, plan.time) {
+            (Some(per_pixel), None) => Self { per_pixel, time: Duration::ZERO },
+            _ => measured(options, view, plan, interrupt),
         }
     }
 }
 
-/// The round that suits a time budget, from the speed of small renders: each keeps all threads busy.
+/// The planned round, or the one that suits a time budget, and its time, from the speed of small renders: each keeps all threads busy.
 fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> Round {
     let time = plan.time.unwrap_or_default();
     let (start, enough) = (Instant::now(), time.mul_f64(0.01).min(ENOUGH));
     let go_on = || interrupt.go_on();
-    let stopped = |size| Round { per_pixel: size, time: Duration::ZERO };
+    let stopped = |size| Round { per_pixel: plan.per_pixel.unwrap_or(size), time: Duration::ZERO };
     let mut size = 1.0 / 64.0;
     loop {
         let settings = without_pilot(options.settings(size));
@@ -54,7 +54,8 @@ fn measured(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interr
         let taken = before.elapsed();
         if taken > enough || start.elapsed() > time.mul_f64(0.05) {
             let rate = rounds as f64 * done / taken.as_secs_f64().max(1e-6);
-            let per_pixel = plan.per_pixel_at(rate, time.saturating_sub(start.elapsed()));
+            let suitable = || plan.per_pixel_at(rate, time.saturating_sub(start.elapsed()));
+            let per_pixel = plan.per_pixel.unwrap_or_else(suitable);
             return Round { per_pixel, time: Duration::from_secs_f64(per_pixel / rate) };
         }
         size *= 4.0;

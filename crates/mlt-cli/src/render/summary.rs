@@ -4,31 +4,32 @@ use std::collections::BTreeMap;
 
 use mlt_core::engine::{Film, MutationStats, Pixel, StratumStats, TRUSTED_ROUNDS, Tally};
 use mlt_core::transport::image::{mean_luminance, relative_error};
-use mlt_core::transport::render::Counts;
+use mlt_core::transport::render::{Counts, Sums};
 use mlt_core::transport::scene::Needs;
 
-use super::{Setup, losses::losses};
+use super::{Setup, blocks::Blocks, losses::losses, trust::trust};
 use crate::{
     args::{render::RenderOptions, transport::Method},
-    report::{Acceptance, Report, StratumReport, Trust},
+    report::{Acceptance, Agreement, Provenance, Report, StratumReport},
 };
 
 /// The report, but for times, files and what only the session knows.
-pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &Counts) -> Report {
-    let [width, height] = setup.camera.size().map(|n| n as usize);
+pub fn report(options: &RenderOptions, provenance: &Provenance, sums: &Sums) -> Report {
+    let (film, counts, blocks) = (sums.film(), sums.tally(), &Blocks::from(sums.film().blocks()));
+    let [width, height] = film.size().map(|n| n as usize);
     let error = relative_error(film);
     let Pixel { mean: b, stderr: b_stderr } = mean_luminance(film);
     let mutations = by_mutation(counts);
     let mut report = Report {
         version: env!("CARGO_PKG_VERSION").into(),
-        scene: setup.name.clone(),
+        scene: provenance.scene.clone(),
         method: options.method(),
         transport: options.transport.clone(),
-        camera: setup.camera_used.clone(),
+        camera: provenance.camera.clone(),
         width,
         height,
         threads: rayon::current_num_threads(),
-        first_round: options.first_round,
+        first_round: film.rounds_held().ranges().first().map_or(0, |rounds| rounds.start),
         rounds: film.rounds(),
         interrupted: false,
         seconds: 0.0,
@@ -45,16 +46,17 @@ pub fn report(options: &RenderOptions, setup: &Setup, film: &Film<3>, counts: &C
         b_stderr,
         strata: counts.chains().strata.iter().map(stratum).collect(),
         relative_error: error.is_finite().then_some(error),
-        agreement: None,
-        trust: Trust::default(),
+        agreement: blocks.agreement().filter(|_| counts.steps() > 0),
+        trust: trust(film, counts, blocks, film.size()),
         decision: None,
-        warnings: setup.warnings.clone(),
+        warnings: provenance.warnings.clone(),
         outputs: Vec::new(),
     };
     report.warnings.extend(without_effect(options));
-    report.warnings.extend(out_of_reach(options, setup));
     report.warnings.extend(warnings(film));
     report.warnings.extend(losses(film, counts, width));
+    report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));
+    report.warnings.extend(report.trust.doubts());
     report
 }
 
@@ -93,6 +95,13 @@ fn without_effect(options: &RenderOptions) -> Option<String> {
              --method mlt takes them"
         )
     })
+}
+
+/// Where the image of these options comes from.
+pub fn provenance(options: &RenderOptions, setup: &Setup) -> Provenance {
+    let mut provenance = setup.provenance.clone();
+    provenance.warnings.extend(out_of_reach(options, setup));
+    provenance
 }
 
 /// Light that path tracing has no way to find: no ray meets a light without extent, and none is connected through glass.

@@ -2,6 +2,7 @@
 
 mod camera;
 mod decision;
+mod provenance;
 mod trust;
 
 use std::{collections::BTreeMap, fmt};
@@ -12,11 +13,13 @@ use serde::Serialize;
 use crate::{
     args::transport::{Method, TransportOptions, Variant},
     args::values::Strata,
+    kept::Spent,
     progress::short,
 };
 
 pub use camera::CameraUsed;
 pub use decision::{Decision, Part};
+pub use provenance::Provenance;
 pub use trust::Trust;
 
 /// The report of `mlt render --json`, one object; [`Display`](fmt::Display) is the same for reading.
@@ -205,6 +208,12 @@ impl fmt::Display for Report {
 }
 
 impl Report {
+    /// Says how long the rounds took.
+    pub fn set_time(&mut self, spent: Spent) {
+        self.seconds = spent.clock.as_secs_f64();
+        self.cpu_seconds = spent.processors.map(|time| time.as_secs_f64());
+    }
+
     /// How many strata there were, if a cut was asked for.
     fn write_cut(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (made, asked) = (self.strata.len(), self.transport.strata.least());
@@ -275,7 +284,7 @@ mod tests {
                 max_length: None,
                 seed: 7,
             },
-            camera: CameraUsed { name: "eye".into(), origin: "by --camera", lens: "pinhole".into() },
+            camera: CameraUsed { name: "eye".into(), origin: "by --camera".into(), lens: "pinhole".into() },
             width: 64,
             height: 48,
             threads: 2,

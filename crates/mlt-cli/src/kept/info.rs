@@ -1,0 +1,67 @@
+//! `mlt info`: what a file of a render holds.
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+use mlt_scene::printable;
+
+use super::{Kept, read, words};
+use crate::{
+    Failure,
+    args::{merge::InfoOptions, written::shell_word},
+    output::{self, Format, exr},
+    print,
+};
+
+/// Names and values of what a file holds.
+type Facts = Vec<(String, String)>;
+
+/// Prints what the file holds.
+pub fn run(options: &InfoOptions) -> Result<(), Failure> {
+    let path = &options.file;
+    let format = output::format_of(path).with_context(|| path.display().to_string()).map_err(Failure::Usage)?;
+    let facts = match format {
+        Format::Sums => of_sums(&read(path)?),
+        Format::Exr => of_image(path).map_err(Failure::Usage)?,
+        Format::Png => {
+            return Err(Failure::Usage(anyhow!("{}: a PNG file says nothing of its render", path.display())));
+        }
+    };
+    let text = if options.json {
+        let object: serde_json::Map<_, _> = facts.into_iter().map(|(name, value)| (name, value.into())).collect();
+        serde_json::to_string_pretty(&object).context("cannot encode the answer")? + "\n"
+    } else {
+        facts.iter().map(|(name, value)| printable(&format!("{name:<20}  {value}"), usize::MAX) + "\n").collect()
+    };
+    Ok(print(&text)?)
+}
+
+fn of_sums(kept: &Kept) -> Facts {
+    let (about, held) = (&kept.about, kept.sums.rounds());
+    let command = about.arguments.iter().map(|word| shell_word(word)).collect::<Vec<_>>().join(" ");
+    let [width, height] = kept.sums.film().size();
+    let facts = [
+        ("kind", "exact sums of rounds, for 'mlt merge' and 'mlt render --resume'".to_owned()),
+        ("image", format!("{width}x{height}")),
+        ("scene", about.provenance.scene.clone()),
+        ("command", format!("mlt render {command}")),
+        ("rounds", held.to_string()),
+        ("rounds_of_render", about.whole.as_ref().map_or_else(|| "as many as time or error allow".into(), words)),
+        ("seconds", about.spent.clock.as_secs_f64().to_string()),
+    ];
+    let facts = facts.map(|(name, value)| (name.to_owned(), value));
+    facts
+        .into_iter()
+        .chain(kept.sums.key().iter().map(|(name, value)| (format!("key.{name}"), value.clone())))
+        .collect()
+}
+
+fn of_image(path: &Path) -> anyhow::Result<Facts> {
+    let file = output::without_panic(|| exr::read(path)).with_context(|| format!("{}: damaged", path.display()))??;
+    let of_ours = |(name, value): &(String, String)| Some((name.strip_prefix("mlt.")?.to_owned(), value.clone()));
+    let facts = [
+        ("kind".to_owned(), "an OpenEXR image".to_owned()),
+        ("image".to_owned(), format!("{}x{}", file.image.width, file.image.height)),
+    ];
+    Ok(facts.into_iter().chain(file.attributes.iter().filter_map(of_ours)).collect())
+}

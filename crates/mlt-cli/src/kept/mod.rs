@@ -1,0 +1,117 @@
+//! Renders that outlive their process: exact sums of rounds in files.
+//!
+//! A checkpoint and a part of a render that is shared by several machines are the same thing: the sums of some of a render's rounds.
+//! Such sums go on where they were, and add up to the bits of one render, whatever the order.
+
+mod file;
+pub mod info;
+pub mod merge;
+
+use std::{ops::Range, path::PathBuf, time::Duration};
+
+use anyhow::{Context, anyhow};
+use clap::Parser;
+use mlt_core::{engine::MergeError, transport::render::Sums};
+use serde::{Deserialize, Serialize};
+
+pub use file::{MAGIC, encode, read};
+
+use crate::{
+    Failure,
+    args::{Cli, Command, render::RenderOptions},
+    report::Provenance,
+};
+
+/// The sums of some rounds of a render, and all that its files and its report need besides.
+#[derive(Debug)]
+pub struct Kept {
+    /// Their file.
+    pub path: PathBuf,
+    /// Which render they are of.
+    pub about: About,
+    /// Its rounds.
+    pub sums: Sums,
+}
+
+/// Which render some rounds are of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct About {
+    /// The options of `mlt render` that decide the image and how it is shown; the scene comes last.
+    pub arguments: Vec<String>,
+    /// Where the image comes from.
+    pub provenance: Provenance,
+    /// Numbers of all rounds of the render; `None`: as many as its time or error allowed.
+    pub whole: Option<Range<u64>>,
+    /// Time that the rounds have taken.
+    pub spent: Spent,
+}
+
+/// Time that rounds have taken, over all processes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spent {
+    /// On the clock.
+    pub clock: Duration,
+    /// Of processors; `None` where the system does not say.
+    pub processors: Option<Duration>,
+}
+
+impl Spent {
+    /// No time at all.
+    pub const NONE: Self = Self { clock: Duration::ZERO, processors: Some(Duration::ZERO) };
+
+    /// Both together; what is unknown stays so.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let processors = self.processors.zip(other.processors).map(|(a, b)| a + b);
+        Self { clock: self.clock + other.clock, processors }
+    }
+}
+
+impl About {
+    /// The options of the render that the rounds are of.
+    pub fn options(&self) -> anyhow::Result<RenderOptions> {
+        let words = ["mlt", "render"].into_iter().chain(self.arguments.iter().map(String::as_str));
+        match Cli::try_parse_from(words).map(|cli| cli.command) {
+            Ok(Command::Render(options)) => Ok(*options),
+            _ => Err(anyhow!("the options in it are not understood")),
+        }
+    }
+}
+
+impl Kept {
+    /// Mutations or samples a pixel of each of its rounds.
+    pub fn per_pixel(&self) -> anyhow::Result<f64> {
+        let entry = self.sums.key().iter().find(|(name, _)| name == "per_pixel_per_round");
+        let size = entry.and_then(|(_, value)| value.parse().ok()).filter(|size: &f64| size.is_finite() && *size > 0.0);
+        size.context("it does not say how large its rounds are")
+    }
+
+    /// Puts its rounds into the empty sums of a render that makes rounds `own`, and gives the time that they took.
+    pub fn resume(&self, sums: &mut Sums, own: Range<u64>) -> Result<Spent, Failure> {
+        let refused = |reason: String| Failure::Usage(anyhow!("{}: {reason}", self.path.display()));
+        let held = self.sums.rounds();
+        sums.merge(&self.sums).map_err(|error| match error {
+            MergeError::Key { name, values: [here, there] } => {
+                refused(format!("{name} is {there} in it and {here} here; resume with the same scene and options"))
+            }
+            other => refused(other.to_string()),
+        })?;
+        match held.ranges().iter().all(|range| own.start <= range.start && range.end <= own.end) {
+            true => Ok(self.about.spent),
+            false => {
+                Err(refused(format!("it holds the rounds {held}, but this render makes {}; {REMEDY}", words(&own))))
+            }
+        }
+    }
+}
+
+/// What to do about rounds that are not of a render.
+const REMEDY: &str = "resume with the same --shard and --first-round, and no smaller budget";
+
+/// Numbers of rounds for reading.
+pub fn words(rounds: &Range<u64>) -> String {
+    match rounds.end {
+        u64::MAX => format!("all from {} on", rounds.start),
+        end => format!("{} to {}", rounds.start, end.saturating_sub(1)),
+    }
+}
