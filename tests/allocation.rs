@@ -136,7 +136,7 @@ fn a_mutation_allocates_nothing() {
         }
         let mut chain = Chain::new(&mixture, &Luminance, stratum, start.unwrap()).unwrap();
         let mut steps = |n| (0..n).for_each(|_| chain.step(&mut Nowhere, 1.0, &mut rng));
-        assert!(allocations(|| steps(400_000)) > 0, "the count works: a chain grows its states");
+        assert!(allocations(|| steps(1_000_000)) > 0, "the count works: a chain grows its states");
         assert_eq!(allocations(|| steps(20_000)), 0);
     }
 }
@@ -164,7 +164,7 @@ fn steps_allocate_nothing<T: Tracer<N>, const N: usize>(stratum: &PrimaryStratum
     }
     let mut chain = Chain::new(&mixture, &PrimaryImportance, stratum, start.unwrap()).unwrap();
     let mut steps = |n| (0..n).for_each(|_| chain.step(&mut Nowhere, 1.0, &mut rng));
-    assert!(allocations(|| steps(400_000)) > 0, "the count works: a chain grows its states");
+    assert!(allocations(|| steps(1_000_000)) > 0, "the count works: a chain grows its states");
     assert_eq!(allocations(|| steps(20_000)), 0);
 }
 

@@ -14,7 +14,8 @@ pub struct LoadOptions {
     pub glass: Glass,
     /// Light from all around.
     pub environment: EnvironmentOptions,
-    /// Units of point, spot and directional lights in a glTF file; `None`: Blender's if that wrote the file, else photometric ones.
+    /// Units of point, spot and directional lights in a glTF file; `None`: those of the program that wrote the
+    /// file, photometric ones if that is not Blender.
     pub light_units: Option<LightUnits>,
 }
 

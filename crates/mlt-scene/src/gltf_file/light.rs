@@ -40,13 +40,24 @@ pub(super) fn lights(
     warnings: &mut Vec<String>,
 ) -> Vec<Found> {
     let generator = document.as_json().asset.generator.as_deref().unwrap_or_default();
-    let usual = if generator.contains("Blender") { LightUnits::Blender } else { LightUnits::Photometric };
-    let units = units.unwrap_or(usual);
+    let units = units.unwrap_or_else(|| usual(generator));
     let found = |(node, to_world): &Placed, warnings: &mut Vec<String>| {
         let source = node.light()?;
         Some(Found { light: light(&source, node, to_world, units, warnings)?, radius: radius(&source, node) })
     };
     nodes.iter().filter_map(|placed| found(placed, warnings)).collect()
+}
+
+/// The units that suit the program that wrote a file. Blender's exporter wrote watts as they are before its version 3.4.
+fn usual(generator: &str) -> LightUnits {
+    if !generator.contains("Blender") {
+        return LightUnits::Photometric;
+    }
+    let version = generator.split_once("I/O v").and_then(|(_, version)| {
+        let mut numbers = version.split('.').map(|number| number.parse().ok());
+        Some([numbers.next()??, numbers.next()??])
+    });
+    if version.is_some_and(|version: [u32; 2]| version < [3, 4]) { LightUnits::Raw } else { LightUnits::Blender }
 }
 
 /// The radius that Blender's own name for it gives, written as a custom property of the light or of its node.
@@ -117,5 +128,25 @@ fn per_unit(units: LightUnits, kind: &Punctual) -> f32 {
         (LightUnits::Blender, _) => LUMENS_PER_WATT.recip(),
         (LightUnits::Photometric, _) | (LightUnits::Raw, Punctual::Directional { .. }) => 1.0,
         (LightUnits::Raw, _) => (4.0 * PI).recip(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_those_of_the_program_that_wrote_the_file() {
+        for (generator, units) in [
+            ("Khronos glTF Blender I/O v5.0.21", LightUnits::Blender),
+            ("Khronos glTF Blender I/O v3.4.50", LightUnits::Blender),
+            ("Khronos glTF Blender I/O v3.3.27", LightUnits::Raw),
+            ("Khronos glTF Blender I/O v1.2.75", LightUnits::Raw),
+            ("Blender", LightUnits::Blender),
+            ("GLTFExporter", LightUnits::Photometric),
+            ("", LightUnits::Photometric),
+        ] {
+            assert_eq!(usual(generator), units, "{generator}");
+        }
     }
 }

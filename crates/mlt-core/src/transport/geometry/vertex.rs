@@ -71,6 +71,7 @@ impl Vertex {
     }
 
     /// A vertex on a distant light, in the unit direction `towards` it. It scatters as `material` does, which must be black.
+    #[inline(always)]
     pub(crate) fn distant(light: u32, towards: Vec3A, material: u32) -> Self {
         Self {
             position: towards,
@@ -105,6 +106,12 @@ impl Vertex {
     #[inline]
     pub fn is_camera(&self) -> bool {
         self.primitive == CAMERA
+    }
+
+    /// Whether both are on surfaces, or on a lens of which all that holds for a surface holds.
+    #[inline(always)]
+    pub(crate) fn are_on_surfaces(a: &Self, b: &Self) -> bool {
+        (a.place as u8 | b.place as u8) == Place::Surface as u8
     }
 
     /// Whether it is a direction instead of a point.

@@ -188,18 +188,18 @@ impl LightSampler {
     /// by the point's exitance over its light's mean.
     #[inline(always)]
     pub fn sample(&self, vertex: &Vertex, u: f64, v: f64) -> (LightPoint, f64) {
-        if self.afar.len() > 0 { self.sample_all(vertex, u, v) } else { self.sample_near(vertex, u, v) }
+        if self.afar.len() > 0 { self.sample_all(*vertex, u, v) } else { self.sample_near(vertex, u, v) }
     }
 
     /// The same with distant lights among the others.
     #[inline(never)]
-    fn sample_all(&self, vertex: &Vertex, u: f64, v: f64) -> (LightPoint, f64) {
-        let from_afar = self.share_from_afar(vertex);
+    fn sample_all(&self, vertex: Vertex, u: f64, v: f64) -> (LightPoint, f64) {
+        let from_afar = self.share_from_afar(&vertex);
         let (share, (point, density)) = if u < from_afar {
             (from_afar, self.afar.sample(u / from_afar, v))
         } else {
             let rest = 1.0 - from_afar;
-            (rest, self.sample_near(vertex, ((u - from_afar) / rest).min(1f64.next_down()), v))
+            (rest, self.sample_near(&vertex, ((u - from_afar) / rest).min(1f64.next_down()), v))
         };
         (point, share * density)
     }
@@ -242,13 +242,19 @@ impl LightSampler {
     #[inline]
     pub fn density(&self, vertex: &Vertex, number: (u32, u32), point: &LightPoint) -> f64 {
         if self.afar.len() > 0 {
-            let from_afar = self.share_from_afar(vertex);
-            return match self.afar.density(point) {
-                Some(density) => from_afar * density,
-                None => (1.0 - from_afar) * self.density_near(vertex, number, point),
-            };
+            return self.density_of_all(*vertex, number, point);
         }
         self.density_near(vertex, number, point)
+    }
+
+    /// The same with distant lights among the others.
+    #[inline(never)]
+    fn density_of_all(&self, vertex: Vertex, number: (u32, u32), point: &LightPoint) -> f64 {
+        let from_afar = self.share_from_afar(&vertex);
+        match self.afar.density(point) {
+            Some(density) => from_afar * density,
+            None => (1.0 - from_afar) * self.density_near(&vertex, number, point),
+        }
     }
 
     #[inline]

@@ -22,15 +22,11 @@ impl Edge {
     /// A connection; `None` if the two coincide.
     #[inline(always)]
     pub(crate) fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
-        if x.is_distant() | y.is_parallel() {
-            return Some(Self::free(if y.is_parallel() { -y.geometric_normal } else { -x.position }, 1.0, [x, y]));
+        if !Vertex::are_on_surfaces(x, y) {
+            return Self::between_others(*x, *y);
         }
-        // Root and reciprocal do not wait for each other.
-        let step = y.position - x.position;
-        let square = step.length_squared();
-        let inverse_square = 1.0 / square;
-        let direction = step * (inverse_square * square.sqrt());
-        (square > 0.0 && inverse_square.is_finite()).then(|| Self::of(direction, inverse_square, [x, y]))
+        let (direction, inverse_square) = Self::straight(x, y)?;
+        Some(Self::new(direction, inverse_square, [x, y]))
     }
 
     /// Edge that a ray followed, in this unit direction from `x` to `y`.
@@ -40,16 +36,47 @@ impl Edge {
     /// surfaces it is a factor of f and of every density.
     #[inline(always)]
     pub(crate) fn along(direction: Vec3A, x: &Vertex, y: &Vertex) -> Self {
-        if x.is_distant() | y.is_parallel() {
-            return Self::free(direction, 1.0, [x, y]);
+        if !Vertex::are_on_surfaces(x, y) {
+            return Self::along_others(direction, *x, *y);
         }
-        let square = x.position.distance_squared(y.position).max(f32::MIN_POSITIVE);
-        Self::of(direction, 1.0 / square, [x, y])
+        Self::new(direction, 1.0 / Self::square(x, y), [x, y])
     }
 
-    /// An edge of which an end has no surface.
+    /// Direction and 1/d²; `None` if the two coincide.
+    #[inline(always)]
+    fn straight(x: &Vertex, y: &Vertex) -> Option<(Vec3A, f32)> {
+        // Root and reciprocal do not wait for each other.
+        let step = y.position - x.position;
+        let square = step.length_squared();
+        let inverse_square = 1.0 / square;
+        let direction = step * (inverse_square * square.sqrt());
+        (square > 0.0 && inverse_square.is_finite()).then_some((direction, inverse_square))
+    }
+
+    #[inline(always)]
+    fn square(x: &Vertex, y: &Vertex) -> f32 {
+        x.position.distance_squared(y.position).max(f32::MIN_POSITIVE)
+    }
+
+    /// A connection of which an end is not on a surface. By value, as what is referred to has to lie in memory.
     #[cold]
-    fn free(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
+    fn between_others(x: Vertex, y: Vertex) -> Option<Self> {
+        if x.is_distant() | y.is_parallel() {
+            let direction = if y.is_parallel() { -y.geometric_normal } else { -x.position };
+            return Some(Self::of_others(direction, 1.0, [&x, &y]));
+        }
+        let (direction, inverse_square) = Self::straight(&x, &y)?;
+        Some(Self::of_others(direction, inverse_square, [&x, &y]))
+    }
+
+    /// The same of an edge that a ray followed.
+    #[cold]
+    fn along_others(direction: Vec3A, x: Vertex, y: Vertex) -> Self {
+        let endless = x.is_distant() | y.is_parallel();
+        Self::of_others(direction, if endless { 1.0 } else { 1.0 / Self::square(&x, &y) }, [&x, &y])
+    }
+
+    fn of_others(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
         let cos = |end: &Vertex| match end.place {
             Place::Surface => abs_dot(end.geometric_normal, direction),
             Place::Distant | Place::Direction | Place::Point | Place::Parallel => 1.0,
@@ -58,10 +85,7 @@ impl Edge {
     }
 
     #[inline(always)]
-    fn of(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
-        if ends[0].place == Place::Point {
-            return Self::free(direction, inverse_square, ends);
-        }
+    fn new(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
         Self { direction, inverse_square, cosines: ends.map(|end| abs_dot(end.geometric_normal, direction)) }
     }
 

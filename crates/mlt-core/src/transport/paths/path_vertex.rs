@@ -4,7 +4,7 @@ use super::edge::Edge;
 use crate::transport::bsdf::Evaluation;
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
-use crate::transport::scene::View;
+use crate::transport::scene::{Resolved, View};
 use glam::Vec3A;
 use std::sync::atomic::{Ordering, compiler_fence};
 
@@ -120,8 +120,8 @@ pub(super) fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<(
 #[inline(always)]
 pub(super) fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
     let [to_light, x, to_eye] = vertices.get_mut(i - 1..i + 2)? else { return None };
-    let found = view.scene.surface(&x.vertex).evaluate(-to_light.to_eye, x.to_eye)?;
-    x.scatter = found.value * view.scene.attenuation(&to_light.vertex, &x.vertex);
+    let found = view.scene.surface(&x.vertex, &mut Resolved::default()).evaluate(-to_light.to_eye, x.to_eye)?;
+    x.scatter = view.scene.attenuated(found.value, &to_light.vertex, &x.vertex);
     to_eye.forward = x.per_area_there(found.pdf_to_eye);
     to_light.reverse = to_light.per_area_here(found.pdf_to_light);
     Some(())
@@ -132,7 +132,7 @@ pub(super) fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View)
 pub(super) fn set_sensitivity(vertices: &mut [PathVertex], view: &View) -> Option<()> {
     let [.., to_light, x] = vertices else { return None };
     let found = sensitivity(view, x, -to_light.to_eye)?;
-    x.scatter = found.value * view.scene.attenuation(&to_light.vertex, &x.vertex);
+    x.scatter = view.scene.attenuated(found.value, &to_light.vertex, &x.vertex);
     x.reverse = 1.0;
     to_light.reverse = to_light.per_area_here(found.pdf_to_light);
     Some(())
@@ -155,7 +155,7 @@ pub(crate) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: V
     if x.vertex.is_camera() {
         sensitivity(view, x, to_light)
     } else {
-        view.scene.surface(&x.vertex).evaluate(to_light, to_eye)
+        view.scene.surface(&x.vertex, &mut Resolved::default()).evaluate(to_light, to_eye)
     }
 }
 

@@ -8,7 +8,7 @@ use super::path_vertex::{PathVertex, set_edge};
 use crate::engine::{uniform, uniform_f32};
 use crate::transport::geometry::Vertex;
 use crate::transport::lights::LightRegion;
-use crate::transport::scene::{Light, LightPoint, View};
+use crate::transport::scene::{Light, LightPoint, Resolved, View};
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 
@@ -53,7 +53,7 @@ pub(crate) fn step_from_light(vertices: &mut [PathVertex], i: usize, view: &View
     let x = &vertices[i].vertex;
     let ray = match i {
         0 => view.scene.sample_emission(x, rng),
-        _ => x.ray(view.scene.surface(x).sample(-vertices[i - 1].to_eye, rng)?),
+        _ => x.ray(view.scene.surface(x, &mut Resolved::default()).sample(-vertices[i - 1].to_eye, rng)?),
     };
     follow_from_light(vertices, i, ray, view, rng)
 }
@@ -95,7 +95,7 @@ pub(crate) fn start_at_eye(
 #[inline(always)]
 pub(crate) fn step_from_eye(vertices: &mut [PathVertex], i: usize, view: &View, rng: &mut impl Rng) -> Option<()> {
     let x = &vertices[i];
-    let direction = view.scene.surface(&x.vertex).sample(x.to_eye, rng)?;
+    let direction = view.scene.surface(&x.vertex, &mut Resolved::default()).sample(x.to_eye, rng)?;
     follow_from_eye(vertices, i, direction, view, rng)
 }
 

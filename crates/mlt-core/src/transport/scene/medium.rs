@@ -9,18 +9,20 @@ use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 
 impl Scene {
-    /// T between a vertex and the next one towards the eye.
+    /// What solids leave of `light` between a vertex and the next one towards the eye.
     #[inline(always)]
-    pub(crate) fn attenuation(&self, x: &Vertex, y: &Vertex) -> Rgb {
-        if self.needs.absorbs { self.attenuation_between(x, y) } else { Rgb::ONE }
+    pub(crate) fn attenuated(&self, light: Rgb, x: &Vertex, y: &Vertex) -> Rgb {
+        if self.needs.absorbs { light * self.attenuation(*x, *y) } else { light }
     }
 
+    /// T of that edge.
+
     #[inline(never)]
-    fn attenuation_between(&self, x: &Vertex, y: &Vertex) -> Rgb {
+    fn attenuation(&self, x: Vertex, y: Vertex) -> Rgb {
         if x.is_distant() || y.is_distant() || y.is_parallel() {
             return Rgb::ONE;
         }
-        let y = &y.opposite(x);
+        let (x, y) = (&x, &y.opposite(&x));
         let step = x.position - y.position;
         let inside = |end: &Vertex, sign: f32| {
             let leaves_back = !end.is_camera() && sign * end.geometric_normal.dot(step) < 0.0;

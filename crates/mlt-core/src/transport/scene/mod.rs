@@ -33,7 +33,7 @@ pub use light::{Environment, Light, LightPoint, Punctual, PunctualLight};
 pub use lights::Lights;
 pub use material::Material;
 pub use needs::Needs;
-pub use surface::{Sampled, Surface};
+pub use surface::{Resolved, Sampled, Surface};
 use textures::Attributes;
 pub use textures::{
     Alpha, ChannelMap, Encoding, Filter, Map, Maps, NormalMap, Pixels, Texture, Textured, Wrap, srgb_to_linear,
@@ -276,8 +276,11 @@ impl Scene {
             (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c
         };
         let smooth = (p.normals != FLAT).then(|| mix(self.normals[p.normals as usize]));
-        let vertex = self.vertex_at(hit.primitive, mix(p.vertices), smooth);
-        if self.needs.normal_maps { self.bent(vertex, [hit.u, hit.v]) } else { vertex }
+        let mut vertex = self.vertex_at(hit.primitive, mix(p.vertices), smooth);
+        if self.needs.normal_maps {
+            vertex.shading_normal = self.bent_normal(vertex, [hit.u, hit.v]);
+        }
+        vertex
     }
 
     #[inline(always)]

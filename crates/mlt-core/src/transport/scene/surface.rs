@@ -31,59 +31,50 @@ pub struct Sampled {
 }
 
 /// The surface at a vertex, as it scatters there.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
     vertex: &'a Vertex,
-    bsdf: Scattering<'a>,
+    bsdf: &'a Bsdf,
+    /// Whether a normal map bends the shading normal of a BSDF that is not delta.
+    bent: bool,
 }
 
-/// A surface's BSDF.
-#[expect(clippy::large_enum_variant, reason = "one is made at each vertex of a textured surface, without allocation")]
-#[derive(Debug)]
-enum Scattering<'a> {
-    /// The same everywhere.
-    Uniform(&'a Bsdf),
-    /// That of one point.
-    Local { bsdf: Bsdf, bent: bool },
-}
+/// Room for the BSDF of one point of a textured surface: the caller's, so that nothing is allocated, and nothing copied where nothing is
+/// textured.
+#[derive(Debug, Default)]
+pub struct Resolved(Option<Bsdf>);
 
 impl Scene {
     /// The surface at a vertex.
     #[inline(always)]
-    pub fn surface<'a>(&'a self, vertex: &'a Vertex) -> Surface<'a> {
+    pub fn surface<'a>(&'a self, vertex: &'a Vertex, room: &'a mut Resolved) -> Surface<'a> {
         let material = self.material(vertex);
-        let bsdf = match &material.textured {
-            Some(textured) if self.needs.textured => self.local(textured, vertex),
-            _ => Scattering::Uniform(&material.bsdf),
-        };
-        Surface { vertex, bsdf }
+        match &material.textured {
+            Some(textured) if self.needs.textured => {
+                let bsdf = self.resolve(textured, *vertex, room);
+                Surface { vertex, bsdf, bent: textured.maps.normal.is_some() && !bsdf.is_delta() }
+            }
+            _ => Surface { vertex, bsdf: &material.bsdf, bent: false },
+        }
     }
 
+    /// The BSDF of a textured surface at a vertex. By value, as what is referred to has to lie in memory.
     #[inline(never)]
-    fn local(&self, textured: &Textured, vertex: &Vertex) -> Scattering<'_> {
-        let bsdf = textured.bsdf(&self.textures, &self.coordinates(vertex));
-        Scattering::Local { bsdf, bent: textured.maps.normal.is_some() && !bsdf.is_delta() }
+    fn resolve<'a>(&self, textured: &Textured, vertex: Vertex, room: &'a mut Resolved) -> &'a Bsdf {
+        room.0.insert(textured.bsdf(&self.textures, &self.coordinates(&vertex)))
     }
 }
 
 impl Surface<'_> {
-    #[inline(always)]
-    fn bsdf(&self) -> &Bsdf {
-        match &self.bsdf {
-            Scattering::Uniform(bsdf) => bsdf,
-            Scattering::Local { bsdf, .. } => bsdf,
-        }
-    }
-
     /// f_s(to_light → to_eye) |ω·N_s|/|ω·N_g|, sr⁻¹, with ω = to_light, and the densities of either direction, given the other,
     /// sr⁻¹; `None` where it is zero.
     #[inline(always)]
-    pub fn evaluate(&self, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
+    pub fn evaluate(self, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
         let (shading, geometric) = cosines(self.vertex, to_light)?;
         cosines(self.vertex, to_eye)?;
-        let found = self.bsdf().evaluate(self.vertex.shading_normal, to_light, to_eye);
+        let found = self.bsdf.evaluate(self.vertex.shading_normal, to_light, to_eye);
         let mut scale = shading / geometric;
-        if let Scattering::Local { bent: true, .. } = self.bsdf {
+        if self.bent {
             scale *= terminator(self.vertex, shading, geometric);
         }
         (found.value != Rgb::ZERO).then(|| Evaluation { value: found.value * scale, ..found })
@@ -91,9 +82,9 @@ impl Surface<'_> {
 
     /// Draws a direction from three random numbers, or from two where no event is chosen; `None`: absorbed.
     #[inline(always)]
-    pub fn sample(&self, given: Vec3A, rng: &mut impl Rng) -> Option<Vec3A> {
+    pub fn sample(self, given: Vec3A, rng: &mut impl Rng) -> Option<Vec3A> {
         let (u, v) = (uniform_f32(rng), uniform_f32(rng));
-        let sampled = match self.bsdf() {
+        let sampled = match self.bsdf {
             Bsdf::Lambert(lambert) => lambert.sample(self.vertex.shading_normal, given, Vec2::new(u, v)),
             bsdf => bsdf.sample(self.vertex.shading_normal, given, [u, v, uniform_f32(rng)])?,
         };
@@ -102,9 +93,11 @@ impl Surface<'_> {
 
     /// Draws a direction towards the light, and says what comes from there.
     #[inline(always)]
-    pub fn sample_to_light(&self, to_eye: Vec3A, rng: &mut impl Rng) -> Option<Sampled> {
+    pub fn sample_to_light(self, to_eye: Vec3A, rng: &mut impl Rng) -> Option<Sampled> {
         let to_light = self.sample(to_eye, rng)?;
-        if let Scattering::Uniform(Bsdf::Lambert(lambert)) = self.bsdf {
+        if let Bsdf::Lambert(lambert) = self.bsdf
+            && !self.bent
+        {
             cosines(self.vertex, to_eye)?;
             let pdf = self.vertex.shading_normal.dot(to_light).abs() * FRAC_1_PI;
             return Some(Sampled { to_light, weight: lambert.reflectance, pdf });
@@ -116,15 +109,15 @@ impl Surface<'_> {
 
     /// The direction that a delta BSDF joins to `given` by reflection or by transmission.
     #[inline]
-    pub fn delta_direction(&self, given: Vec3A, transmit: bool) -> Option<Vec3A> {
-        let direction = self.bsdf().delta_direction(self.vertex.shading_normal, given, transmit)?;
+    pub fn delta_direction(self, given: Vec3A, transmit: bool) -> Option<Vec3A> {
+        let direction = self.bsdf.delta_direction(self.vertex.shading_normal, given, transmit)?;
         cosines(self.vertex, direction).map(|_| direction)
     }
 
     /// Probability with which a delta BSDF's sampling chooses the event that joins the two directions.
     #[inline]
-    pub fn event_probability(&self, given: Vec3A, sampled: Vec3A) -> f32 {
-        self.bsdf().event_probability(self.vertex.shading_normal, given, sampled)
+    pub fn event_probability(self, given: Vec3A, sampled: Vec3A) -> f32 {
+        self.bsdf.event_probability(self.vertex.shading_normal, given, sampled)
     }
 }
 

@@ -67,10 +67,24 @@ impl Scene {
     /// τ between two vertices; 0 if an opaque surface stands there, and between the camera and an environment that it does not see.
     #[inline(always)]
     pub fn transmittance(&self, a: &Vertex, b: &Vertex) -> f32 {
-        let way = Way::between(a, b);
+        if !Vertex::are_on_surfaces(a, b) {
+            return self.transmittance_of_others(*a, *b);
+        }
+        self.transmittance_along(Way::segment(a, b))
+    }
+
+    /// The same where an end is not on a surface. By value, as what is referred to has to lie in memory.
+    #[cold]
+    fn transmittance_of_others(&self, a: Vertex, b: Vertex) -> f32 {
+        let way = Way::between(&a, &b);
         if way.endless && !self.background && (a.is_camera() || b.is_camera()) {
             return 0.0;
         }
+        self.transmittance_along(way)
+    }
+
+    #[inline(always)]
+    fn transmittance_along(&self, way: Way) -> f32 {
         if self.needs.veils { self.veils_along(way) } else { f32::from(u8::from(self.is_clear(&way.ray()))) }
     }
 

@@ -13,31 +13,25 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// It starts where coordinates are finer: its end is rounded in proportion to its length, which would put it behind
-    /// a small surface that is seen from a large one. One between a point and a distant vertex starts at the point.
+    /// The way between two points. It starts where coordinates are finer: its end is rounded in proportion to its length, which would
+    /// put it behind a small surface that is seen from a large one.
     #[inline(always)]
-    pub(super) fn between(a: &Vertex, b: &Vertex) -> Self {
-        if a.is_distant() | b.is_distant() {
-            return Self::to_infinity(a, b);
-        }
-        if a.is_parallel() | b.is_parallel() {
-            return Self::to_plane(a, b);
-        }
+    pub(super) fn segment(a: &Vertex, b: &Vertex) -> Self {
         let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
         let towards_b = b.position - a.position;
         Self { from: a.origin(towards_b), to: b.origin(-towards_b), endless: false }
     }
 
-    /// To the plane that parallel rays start from.
-    #[cold]
-    fn to_plane(a: &Vertex, b: &Vertex) -> Self {
-        Self::between(&a.opposite(b), &b.opposite(a))
-    }
-
-    #[cold]
-    fn to_infinity(a: &Vertex, b: &Vertex) -> Self {
-        let (near, far) = if a.is_distant() { (b, a) } else { (a, b) };
-        Self { from: near.origin(far.position), to: far.position, endless: true }
+    /// The way between any two vertices: from a point to a distant one, and from the plane that parallel rays start from.
+    pub(super) fn between(a: &Vertex, b: &Vertex) -> Self {
+        if a.is_distant() | b.is_distant() {
+            let (near, far) = if a.is_distant() { (b, a) } else { (a, b) };
+            Self { from: near.origin(far.position), to: far.position, endless: true }
+        } else if a.is_parallel() | b.is_parallel() {
+            Self::segment(&a.opposite(b), &b.opposite(a))
+        } else {
+            Self::segment(a, b)
+        }
     }
 
     /// What is left of it, as a step to its end or, of a way without end, in its direction.

@@ -5,7 +5,7 @@ use crate::engine::{Purpose, generator};
 use crate::transport::bsdf::MetallicRoughness;
 use crate::transport::colour::Rgb;
 use crate::transport::scene::{
-    Alpha, ChannelMap, Encoding, Filter, Maps, Material, NormalMap, Pixels, Surface, Texture, Wrap,
+    Alpha, ChannelMap, Encoding, Filter, Maps, Material, NormalMap, Pixels, Resolved, Texture, Wrap,
 };
 use glam::{DVec3, Vec3A, Vec4};
 
@@ -88,7 +88,9 @@ fn a_uniform_texture_is_a_factor() {
         world.scene.trace(&world.camera.vertex(), Vec3A::new(0.1, 0.05, -1.0).normalize()).expect("the quad")
     };
     let (varied, constant) = (at(&world), at(&plain));
-    let [varied, constant]: [Surface; 2] = [world.scene.surface(&varied), plain.scene.surface(&constant)];
+    let mut room = [Resolved::default(), Resolved::default()];
+    let [at_varied, at_constant] = &mut room;
+    let (varied, constant) = (world.scene.surface(&varied, at_varied), plain.scene.surface(&constant, at_constant));
     let to_eye = Vec3A::new(-0.1, -0.05, 1.0).normalize();
     let mut met = 0;
     for _ in 0..1000 {

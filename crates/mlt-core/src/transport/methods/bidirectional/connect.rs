@@ -5,7 +5,6 @@
 
 use super::sampler::{Bidirectional, Carried, LightSubpath, Scratch, Subpath};
 use crate::transport::bsdf::Evaluation;
-use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
@@ -124,8 +123,6 @@ impl Bidirectional<'_> {
             1 => emission(&self.view, &x.vertex, edge.direction)?,
             _ => scattering(&self.view, x, -light[s - 2].to_eye, edge.direction)?,
         };
-        let before = s.checked_sub(2).map_or(Rgb::ONE, |i| scene.attenuation(&light[i].vertex, &x.vertex));
-        let attenuation = before * scene.attenuation(&x.vertex, &y.vertex);
         let at_y = scattering(&self.view, y, -edge.direction, y.to_eye)?;
         let passed = scene.transmittance(&x.vertex, &y.vertex);
         if passed == 0.0 {
@@ -138,9 +135,14 @@ impl Bidirectional<'_> {
         let back = (per_area(at_y.pdf_to_light, 0), at_x.pdf_to_light);
         let others = earlier_techniques(light, ends, back, from_light.others)
             + later_techniques(eye, (forward, at_y.pdf_to_eye), from_eye.others, 1.0);
+        let scattered = scene.attenuated(at_x.value * at_y.value, &x.vertex, &y.vertex);
+        let scattered = match s {
+            1 => scattered,
+            _ => scene.attenuated(scattered, &light[s - 2].vertex, &x.vertex),
+        };
         let value = from_light.throughput
             * from_eye.throughput
-            * (at_x.value * at_y.value * attenuation).as_dvec3()
+            * scattered.as_dvec3()
             * (edge.geometric_term() / (1.0 + others / square(ends.preference(s))));
         Some((pixel, value))
     }

@@ -14,7 +14,7 @@ use crate::transport::lights::LightSampler;
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd};
-use crate::transport::scene::{LightPoint, Sampled, View};
+use crate::transport::scene::{LightPoint, Resolved, Sampled, View};
 use glam::{DVec3, Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 
@@ -80,7 +80,7 @@ impl PathTracer<'_> {
         let direction = ray.direction();
         let drawn = camera.has_tiny_lights() && !vertex.is_met_by_one_ray(&lens);
         let pdf = drawn.then(|| camera.pdf(direction) * passed / vertex.distance_squared(&lens));
-        let throughput = scene.attenuation(&vertex, &lens);
+        let throughput = scene.attenuated(Rgb::ONE, &vertex, &lens);
         let walk =
             Walk { vertex, to_eye: -direction, throughput, pdf, before: camera.vertex(), edges: 1, straight: true };
         self.gather(&walk, rng, visit);
@@ -158,7 +158,7 @@ impl PathTracer<'_> {
             return None;
         }
         let density = (density * scene.relative_exitance(light, &source, emitted)) as f32;
-        let found = scene.surface(&walk.vertex).evaluate(to_light, walk.to_eye)?;
+        let found = scene.surface(&walk.vertex, &mut Resolved::default()).evaluate(to_light, walk.to_eye)?;
         let passed = scene.transmittance(&walk.vertex, &source);
         if passed == 0.0 {
             return None;
@@ -167,7 +167,7 @@ impl PathTracer<'_> {
         let geometric = arriving * cos;
         let met = if source.can_be_met() { found.pdf_to_light * cos } else { 0.0 };
         let weight = geometric / density * power_heuristic(density, met);
-        Some((emitted * found.value * (weight * scene.attenuation(&source, &walk.vertex)), point))
+        Some((scene.attenuated(emitted * found.value * weight, &source, &walk.vertex), point))
     }
 
     /// Draws a point on the lights for the camera, and shows it with the pixel where it crosses the image, weighed against the
@@ -196,7 +196,7 @@ impl PathTracer<'_> {
         let cos = eye.geometric_normal.dot(direction);
         let there = edge.cosines[0] * passed * edge.inverse_square;
         let weight = power_heuristic(density as f32, camera.pdf(direction) * there);
-        let emitted = emitted * scene.attenuation(&source, &eye);
+        let emitted = scene.attenuated(emitted, &source, &eye);
         let value = emitted.as_dvec3() * (f64::from(camera.w_e(direction) * cos * there * weight) / density);
         visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point) });
         Some(())
@@ -207,7 +207,7 @@ impl PathTracer<'_> {
     fn scatter(&self, walk: &mut Walk, rng: &mut impl Rng) -> Option<()> {
         let scene = self.view.scene;
         let Sampled { to_light: direction, weight, pdf } =
-            scene.surface(&walk.vertex).sample_to_light(walk.to_eye, rng)?;
+            scene.surface(&walk.vertex, &mut Resolved::default()).sample_to_light(walk.to_eye, rng)?;
         walk.throughput *= weight;
         if walk.edges >= CERTAIN_BOUNCES {
             // The root makes paths longer than their throughput alone: less noise for the time (docs/log/performance.md).
@@ -220,7 +220,7 @@ impl PathTracer<'_> {
         let (vertex, passed) = scene.follow(&walk.vertex, direction, rng)?;
         let square = vertex.distance_squared(&walk.vertex);
         walk.pdf = (!walk.vertex.delta).then_some(pdf * passed / square);
-        walk.throughput *= scene.attenuation(&vertex, &walk.vertex);
+        walk.throughput = scene.attenuated(walk.throughput, &vertex, &walk.vertex);
         walk.straight &= walk.vertex.delta;
         walk.before = std::mem::replace(&mut walk.vertex, vertex);
         walk.to_eye = -direction;

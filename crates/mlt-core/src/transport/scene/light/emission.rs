@@ -41,7 +41,7 @@ impl Scene {
     #[inline(always)]
     pub fn emitted(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
         if vertex.place != Place::Surface {
-            return self.emitted_without_surface(vertex, direction);
+            return self.emitted_without_surface(*vertex, direction);
         }
         let material = self.material(vertex);
         let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
@@ -53,16 +53,16 @@ impl Scene {
     fn emission(&self, vertex: &Vertex) -> Rgb {
         let material = self.material(vertex);
         if self.needs.textured && material.textured.is_some() {
-            self.varying_emission(vertex)
+            self.varying_emission(*vertex)
         } else {
             material.emission
         }
     }
 
     #[inline(never)]
-    fn varying_emission(&self, vertex: &Vertex) -> Rgb {
-        let place = self.coordinates(vertex);
-        let material = self.material(vertex);
+    fn varying_emission(&self, vertex: Vertex) -> Rgb {
+        let place = self.coordinates(&vertex);
+        let material = self.material(&vertex);
         if material.opacity_at(&self.textures, &place) > 0.0 {
             material.emission_at(&self.textures, &place)
         } else {
@@ -74,7 +74,7 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn exitance(&self, light: &Light, vertex: &Vertex) -> f64 {
         let emitted = if vertex.place == Place::Distant {
-            self.emitted_without_surface(vertex, vertex.geometric_normal)
+            self.emitted_without_surface(*vertex, vertex.geometric_normal)
         } else {
             light.emission
         };
@@ -85,16 +85,16 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn relative_exitance(&self, light: &Light, vertex: &Vertex, emitted: Rgb) -> f64 {
         match &light.shape {
-            Shape::Area(Area::Uneven(uneven)) => self.uneven_exitance(uneven, vertex),
+            Shape::Area(Area::Uneven(uneven)) => self.uneven_exitance(uneven, *vertex),
             _ => light.relative_exitance(emitted),
         }
     }
 
     /// Of an uneven light, whose points are drawn by area, not by that times opacity.
     #[inline(never)]
-    fn uneven_exitance(&self, uneven: &Uneven, vertex: &Vertex) -> f64 {
+    fn uneven_exitance(&self, uneven: &Uneven, vertex: Vertex) -> f64 {
         let index = self.lights.number(vertex.primitive).map_or(0, |(_, index)| index);
-        let opacity = self.opacity(vertex);
+        let opacity = self.opacity(&vertex);
         let by_area = uneven.relative(index, vertex.position.into());
         if opacity > 0.0 { by_area / f64::from(opacity) } else { by_area }
     }
@@ -103,11 +103,8 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn sample_emission(&self, vertex: &Vertex, rng: &mut impl Rng) -> (Vec3A, Vec3A) {
         let u = Vec2::new(uniform_f32(rng), uniform_f32(rng));
-        if vertex.is_distant() {
-            return self.sphere.ray_along(-vertex.position, u);
-        }
-        if let Some(source) = self.source(vertex) {
-            return (vertex.position, source.direction(u));
+        if vertex.place != Place::Surface {
+            return self.ray_without_surface(*vertex, u);
         }
         let back = self.material(vertex).emits_both_sides && uniform_f32(rng) < 0.5;
         vertex.ray(cosine_hemisphere(if back { -vertex.geometric_normal } else { vertex.geometric_normal }, u))
@@ -117,11 +114,8 @@ impl Scene {
     /// distant vertex of the ray's point on the disc that faces the scene, per area.
     #[inline(always)]
     pub(crate) fn pdf_emission(&self, vertex: &Vertex, direction: Vec3A) -> f32 {
-        if vertex.is_distant() {
-            return self.sphere.pdf();
-        }
-        if let Some(source) = self.source(vertex) {
-            return source.pdf();
+        if vertex.place != Place::Surface {
+            return self.pdf_without_surface(*vertex);
         }
         let cos = vertex.geometric_normal.dot(direction);
         if self.material(vertex).emits_both_sides { 0.5 * cos.abs() * FRAC_1_PI } else { cos.max(0.0) * FRAC_1_PI }
@@ -129,25 +123,24 @@ impl Scene {
 
     /// The vertex of the environment that a ray meets which meets nothing else.
     #[cold]
+    #[inline(always)]
     pub(in crate::transport::scene) fn beyond(&self, direction: Vec3A) -> Option<Vertex> {
         self.lights.environment().map(|light| self.distant(light, direction.normalize()))
     }
 
+    #[inline(always)]
     fn distant(&self, light: u32, towards: Vec3A) -> Vertex {
         Vertex::distant(light, towards, self.black())
     }
 
     /// The last material, where lights have no surface.
+    #[inline(always)]
     fn black(&self) -> u32 {
         self.materials.len() as u32 - 1
     }
 
-    /// The point that a vertex stands for, if it does.
-    #[inline(always)]
+    /// The point that a vertex on no surface stands for, if it is not distant.
     fn source(&self, vertex: &Vertex) -> Option<&Source> {
-        if vertex.place != Place::Point {
-            return None;
-        }
         match self.lights.of(vertex.primitive).map(|light| &light.shape) {
             Some(Shape::Point(source)) => Some(source),
             _ => None,
@@ -155,7 +148,20 @@ impl Scene {
     }
 
     #[cold]
-    fn emitted_without_surface(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
+    fn ray_without_surface(&self, vertex: Vertex, u: Vec2) -> (Vec3A, Vec3A) {
+        match self.source(&vertex) {
+            Some(source) => (vertex.position, source.direction(u)),
+            None => self.sphere.ray_along(-vertex.position, u),
+        }
+    }
+
+    #[cold]
+    fn pdf_without_surface(&self, vertex: Vertex) -> f32 {
+        self.source(&vertex).map_or(self.sphere.pdf(), Source::pdf)
+    }
+
+    #[cold]
+    fn emitted_without_surface(&self, vertex: Vertex, direction: Vec3A) -> Rgb {
         let Some(light) = self.lights.of(vertex.primitive) else { return Rgb::ZERO };
         match &light.shape {
             Shape::Environment(around) => around.radiance(vertex.position.into()),

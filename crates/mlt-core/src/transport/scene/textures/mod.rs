@@ -19,17 +19,20 @@ impl Scene {
         self.attributes.at(vertex.primitive, weights)
     }
 
-    /// The vertex with the normal that its material's normal map gives it, at barycentric weights of its triangle.
-    pub(super) fn bent(&self, vertex: Vertex, weights: [f32; 2]) -> Vertex {
+    /// The shading normal that a vertex's normal map gives it, at barycentric weights of its triangle. By value, as what is referred to has
+    /// to lie in memory.
+    #[inline(never)]
+    pub(super) fn bent_normal(&self, vertex: Vertex, weights: [f32; 2]) -> Vec3A {
         let Some(map) = self.material(&vertex).textured.as_ref().and_then(|textured| textured.maps.normal) else {
-            return vertex;
+            return vertex.shading_normal;
         };
         let [a, b, c] = self.primitives[vertex.primitive as usize].vertices.map(Vec3A::from);
         let frame = TriangleFrame { edges: [b - a, c - a], normal: vertex.shading_normal };
         let set = usize::from(map.map.set);
-        let Some(tangents) = self.attributes.tangents(vertex.primitive, weights, set, frame) else { return vertex };
+        let Some(tangents) = self.attributes.tangents(vertex.primitive, weights, set, frame) else {
+            return vertex.shading_normal;
+        };
         let place = self.attributes.at(vertex.primitive, weights);
-        let normals = [vertex.shading_normal, vertex.geometric_normal];
-        Vertex { shading_normal: map.normal(&self.textures, &place, tangents, normals), ..vertex }
+        map.normal(&self.textures, &place, tangents, [vertex.shading_normal, vertex.geometric_normal])
     }
 }

@@ -17,7 +17,7 @@ use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::mis::kept_reference;
 use crate::transport::paths::subpath::{follow_from_eye, follow_from_light, start_at_eye};
 use crate::transport::paths::{LightPath, reference};
-use crate::transport::scene::{Camera, View};
+use crate::transport::scene::{Camera, Resolved, View};
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 use std::f32::consts::PI;
@@ -237,7 +237,7 @@ fn next_direction(
     let n = old.vertex.shading_normal;
     let transmits = n.dot(old.to_eye) * n.dot(to_light) < 0.0;
     let given = if towards == Towards::Light { new.to_eye } else { -proposal.vertices[i - 1].to_eye };
-    view.scene.surface(&new.vertex).delta_direction(given, transmits)
+    view.scene.surface(&new.vertex, &mut Resolved::default()).delta_direction(given, transmits)
 }
 
 /// q_i of x_i traced from x_{i+1}.
@@ -246,7 +246,12 @@ fn density_from_eye(view: &View, path: &LightPath, i: usize) -> f64 {
     if before.vertex.is_camera() {
         x.reverse
     } else if before.vertex.delta {
-        x.reverse / f64::from(view.scene.surface(&before.vertex).event_probability(before.to_eye, -x.to_eye))
+        x.reverse
+            / f64::from(
+                view.scene
+                    .surface(&before.vertex, &mut Resolved::default())
+                    .event_probability(before.to_eye, -x.to_eye),
+            )
     } else {
         x.per_area_here(1.0)
     }
@@ -259,7 +264,10 @@ fn density_from_light(view: &View, path: &LightPath, i: usize, l: usize) -> f64 
         return before.per_area_there(1.0);
     }
     let given = -path.vertices[i - 2].to_eye;
-    x.forward / f64::from(view.scene.surface(&before.vertex).event_probability(given, before.to_eye))
+    x.forward
+        / f64::from(
+            view.scene.surface(&before.vertex, &mut Resolved::default()).event_probability(given, before.to_eye),
+        )
 }
 
 #[cfg(test)]

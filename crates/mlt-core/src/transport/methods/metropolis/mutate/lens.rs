@@ -67,6 +67,7 @@ mod tests {
     use super::*;
     use crate::transport::colour::Rgb;
     use crate::transport::lights::Stratification;
+    use crate::transport::scene::Resolved;
     use crate::transport::tests::balance::{imbalance, imbalance_in_tiles};
     use crate::transport::tests::worlds::{
         World, blurred, glass, glossy, lambert, mirror, parallel, pond, room, two_lights,
@@ -120,7 +121,10 @@ mod tests {
         let events = |path: &LightPath| -> f64 {
             let probability = |i: usize| {
                 let x = &path.vertices[i];
-                world.scene.surface(&x.vertex).event_probability(x.to_eye, -path.vertices[i - 1].to_eye)
+                world
+                    .scene
+                    .surface(&x.vertex, &mut Resolved::default())
+                    .event_probability(x.to_eye, -path.vertices[i - 1].to_eye)
             };
             (first_diffuse(path, path.edges()) + 1..path.edges()).map(|i| f64::from(probability(i))).product()
         };

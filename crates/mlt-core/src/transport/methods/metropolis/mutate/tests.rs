@@ -13,7 +13,7 @@ use crate::transport::methods::bidirectional::Bidirectional;
 use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::mis::Ends;
 use crate::transport::paths::{LightPath, mis};
-use crate::transport::scene::{CameraPose, Lens, Material, Scene, SceneDescription, View};
+use crate::transport::scene::{CameraPose, Lens, Material, Resolved, Scene, SceneDescription, View};
 use crate::transport::tests::paths::set_edges_anew;
 use crate::transport::tests::worlds::{World, cloudy, lambert, mirror, room};
 use glam::{DVec3, Vec3A};
@@ -93,7 +93,11 @@ fn target(path: &LightPath, view: &View, region: &LightRegion) -> f64 {
 fn events(view: &View, path: &LightPath) -> f64 {
     let probability = |i: usize| {
         let x = &path.vertices[i];
-        f64::from(view.scene.surface(&x.vertex).event_probability(x.to_eye, -path.vertices[i - 1].to_eye))
+        f64::from(
+            view.scene
+                .surface(&x.vertex, &mut Resolved::default())
+                .event_probability(x.to_eye, -path.vertices[i - 1].to_eye),
+        )
     };
     (1..path.edges()).filter(|&i| path.vertices[i].vertex.delta).map(probability).product()
 }
