@@ -16,7 +16,6 @@ impl Scene {
     }
 
     /// T of that edge.
-
     #[inline(never)]
     fn attenuation(&self, x: Vertex, y: Vertex) -> Rgb {
         if x.is_distant() || y.is_distant() || y.is_parallel() {

@@ -31,7 +31,7 @@ pub(super) fn quaternion(elements: &mut [u8]) {
         let [x, y, z] = [0, 1, 2].map(|k| f32::from(half(element, k)) * scale);
         let w = (1.0 - x * x - y * y - z * z).max(0.0).sqrt();
         for (k, v) in [(1, x), (2, y), (3, z), (0, w)] {
-            let at = (last & 3) as usize + k & 3;
+            let at = ((last & 3) as usize + k) & 3;
             element[2 * at..][..2].copy_from_slice(&((v * 32767.0).round() as i16).to_le_bytes());
         }
     }
