@@ -45,7 +45,7 @@ def main():
     whole = Image.new("RGB", (COLUMNS * SIZE, rows * (SIZE + LABEL)), "black")
     for i, made in enumerate(tiles):
         whole.paste(made, (i % COLUMNS * SIZE, i // COLUMNS * (SIZE + LABEL)))
-    whole.quantize(128).save(sheet, optimize=True)
+    whole.save(sheet, quality=90)
     for scene, (code, message), mean in zip(scenes, results, means):
         print(f"{scene}\t{code}\t{mean}\t{message.replace(chr(10), ' | ')}")
     print(f"{sum(code == 0 for code, _ in results)} of {len(scenes)} files give an image", file=sys.stderr)
