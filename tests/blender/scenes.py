@@ -196,7 +196,8 @@ def point_lamp():
 @scene(DIFFUSE)
 def point_lamp_with_a_radius():
     floor(), camera()
-    data = lamp("POINT", 800, shadow_soft_size=0.5).data
+    # A soft falloff is 1/(d² + r²); a ball's is 1/d².
+    data = lamp("POINT", 800, shadow_soft_size=0.5, use_soft_falloff=False).data
     data["shadow_soft_size"] = 0.5
     ball(material("ball"))
 
