@@ -78,8 +78,8 @@ def link(made, source, target):
     made.node_tree.links.new(source, target)
 
 
-def checker(first, second, tiles=4, size=64):
-    """A chequered image of two colours."""
+def checker(first, second, tiles=4, size=512):
+    """A chequered image of two colours. Cycles filters colours as they are encoded, glTF asks for linear ones: edges have to be few."""
     index = (np.arange(size) * tiles) // size
     odd = (index[:, None] + index[None, :]) % 2 == 1
     return np.where(odd[..., None], np.float32(second), np.float32(first))
