@@ -3,7 +3,7 @@
 use crate::support::{Render, render};
 
 /// A view of the floor under its lamp.
-pub fn seen(name: &str, size: u32, samples: u32) -> Render {
+pub(crate) fn seen(name: &str, size: u32, samples: u32) -> Render {
     let view = "--camera-from 0,3.5,4 --camera-to 0,0,0 --fov 50 --method pt";
     render(name, &format!("{view} --size {size}x{size} --samples-per-pixel {samples}"))
 }

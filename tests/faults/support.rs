@@ -8,7 +8,7 @@ use std::{
 use serde_json::Value;
 
 /// Report of one render.
-pub struct Render {
+pub(crate) struct Render {
     /// The report that `--json` prints.
     pub report: Value,
     /// Standard error: warnings and notes.
@@ -17,25 +17,25 @@ pub struct Render {
 
 impl Render {
     /// Mean luminance of the image and its standard error.
-    pub fn b(&self) -> (f64, f64) {
+    pub(crate) fn b(&self) -> (f64, f64) {
         let number = |name: &str| self.report[name].as_f64().unwrap_or_else(|| panic!("no {name}: {}", self.report));
         (number("b"), number("b_stderr"))
     }
 
     /// Fails unless b is within `tolerance` and four and a half of its standard errors of `truth`.
-    pub fn expect_b(&self, truth: f64, tolerance: f64) {
+    pub(crate) fn expect_b(&self, truth: f64, tolerance: f64) {
         let (b, stderr) = self.b();
         assert!((b - truth).abs() <= tolerance + 4.5 * stderr, "b = {b} ± {stderr}, not {truth} ± {tolerance}");
     }
 }
 
 /// A file of `data/`.
-pub fn data(name: &str) -> PathBuf {
+pub(crate) fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/faults/data").join(name)
 }
 
 /// Renders a file of `data/`, or one at an absolute path, with these further arguments; the render must succeed.
-pub fn render(name: &str, arguments: &str) -> Render {
+pub(crate) fn render(name: &str, arguments: &str) -> Render {
     let output = run(name, arguments);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{name} {arguments}: {said}");
@@ -43,7 +43,7 @@ pub fn render(name: &str, arguments: &str) -> Render {
 }
 
 /// Message of the program about a file that it must refuse, on standard error.
-pub fn refusal(name: &str, arguments: &str) -> String {
+pub(crate) fn refusal(name: &str, arguments: &str) -> String {
     let output = run(name, arguments);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(matches!(output.status.code(), Some(1 | 2)), "{name} {arguments}: {said}");

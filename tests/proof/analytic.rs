@@ -11,10 +11,10 @@ use mlt_core::transport::scene::{CameraPose, SceneDescription, View};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-pub const SIZE: [u32; 2] = [6, 6];
+pub(crate) const SIZE: [u32; 2] = [6, 6];
 
 /// Compares every method under every cut with the truth. `budget`: samples a pixel, mutations a pixel.
-pub fn check(name: &str, world: &World, truth: &Known, budget: [f64; 2]) {
+pub(crate) fn check(name: &str, world: &World, truth: &Known, budget: [f64; 2]) {
     let compare = |what: String, found: Replicas, error: f64| {
         let what = format!("{name}, {what}, ± {:.1e}", found.relative_error());
         assert_same(found.p_value_of(truth), &what);
@@ -139,7 +139,7 @@ fn albedo(bsdf: &Bsdf, to_eye: Vec3) -> DVec3 {
 }
 
 /// Means over pixels of a function of the pinhole's position and the direction, by the midpoint rule on n × n points.
-pub fn image_of(pose: &CameraPose, n: u32, radiance: impl Fn(DVec3, DVec3) -> DVec3) -> Vec<f64> {
+pub(crate) fn image_of(pose: &CameraPose, n: u32, radiance: impl Fn(DVec3, DVec3) -> DVec3) -> Vec<f64> {
     let [width, height] = SIZE.map(f64::from);
     let (forward, up) = (pose.forward.as_dvec3(), pose.up.as_dvec3());
     let half = (0.5 * f64::from(pose.lens.vertical_fov().unwrap())).tan();
@@ -157,12 +157,12 @@ pub fn image_of(pose: &CameraPose, n: u32, radiance: impl Fn(DVec3, DVec3) -> DV
     (0..SIZE[1]).flat_map(|row| (0..SIZE[0]).flat_map(move |column| pixel(column, row).to_array())).collect()
 }
 
-pub const LIGHT: [[f64; 3]; 4] = [[-0.5, 1., -0.3], [0.7, 1., -0.3], [0.7, 1., 0.5], [-0.5, 1., 0.5]];
-pub const EMISSION: Rgb = Rgb::new(3.0, 2.0, 1.0);
-pub const REFLECTANCE: Rgb = Rgb::new(0.4, 0.6, 0.8);
+pub(crate) const LIGHT: [[f64; 3]; 4] = [[-0.5, 1., -0.3], [0.7, 1., -0.3], [0.7, 1., 0.5], [-0.5, 1., 0.5]];
+pub(crate) const EMISSION: Rgb = Rgb::new(3.0, 2.0, 1.0);
+pub(crate) const REFLECTANCE: Rgb = Rgb::new(0.4, 0.6, 0.8);
 
 /// A diffuse plane under a rectangle that faces it.
-pub fn lit_plane() -> SceneDescription {
+pub(crate) fn lit_plane() -> SceneDescription {
     let mut description = SceneDescription::default();
     let plane = quad([[-9., 0., 9.], [9., 0., 9.], [9., 0., -9.], [-9., 0., -9.]]);
     add(&mut description, plane, Bsdf::Lambert(Lambert { reflectance: REFLECTANCE }), Rgb::ZERO);
@@ -173,7 +173,7 @@ pub fn lit_plane() -> SceneDescription {
 
 /// Radiance of the plane: ρ/π E, E = L/2 Σ_i θ_i (n · γ_i), θ_i the angle that edge i subtends and γ_i the unit normal of
 /// the plane through it and the point.
-pub fn plane_radiance(position: DVec3, direction: DVec3) -> DVec3 {
+pub(crate) fn plane_radiance(position: DVec3, direction: DVec3) -> DVec3 {
     let point = position - direction * (position.y / direction.y);
     let corners = LIGHT.map(|c| (DVec3::from_array(c) - point).normalize());
     let edge = |i: usize| {

@@ -21,32 +21,32 @@ const SIGNIFICANCE: f64 = 1e-3;
 const ROUNDING: f64 = 1e-5;
 
 /// A scene and where it is seen from.
-pub struct World {
+pub(crate) struct World {
     pub scene: Scene,
     pub pose: CameraPose,
 }
 
 impl World {
-    pub fn new(mut description: SceneDescription) -> Self {
+    pub(crate) fn new(mut description: SceneDescription) -> Self {
         let pose = description.cameras.remove(0);
         Self { scene: Scene::new(description).unwrap(), pose }
     }
 
-    pub fn builtin(name: &str) -> Self {
+    pub(crate) fn builtin(name: &str) -> Self {
         Self::new(mlt_scene::open(name).unwrap().description)
     }
 
-    pub fn camera(&self, size: [u32; 2]) -> Camera {
+    pub(crate) fn camera(&self, size: [u32; 2]) -> Camera {
         self.scene.camera(&self.pose, size)
     }
 }
 
-pub fn add(description: &mut SceneDescription, mesh: Mesh, bsdf: Bsdf, emission: Rgb) {
+pub(crate) fn add(description: &mut SceneDescription, mesh: Mesh, bsdf: Bsdf, emission: Rgb) {
     description.meshes.push(Mesh { material: description.materials.len() as u32, ..mesh });
     description.materials.push(Material { bsdf, emission, ..Material::default() });
 }
 
-pub fn pose(position: DVec3, target: DVec3, degrees: f32) -> CameraPose {
+pub(crate) fn pose(position: DVec3, target: DVec3, degrees: f32) -> CameraPose {
     let forward = (target - position).as_vec3().normalize();
     let side = forward.cross(if forward.y.abs() < 0.9 { Vec3::Y } else { Vec3::NEG_Z }).normalize();
     CameraPose {
@@ -60,24 +60,24 @@ pub fn pose(position: DVec3, target: DVec3, degrees: f32) -> CameraPose {
 }
 
 /// Counter-clockwise seen from the front.
-pub fn quad(corners: [[f64; 3]; 4]) -> Mesh {
+pub(crate) fn quad(corners: [[f64; 3]; 4]) -> Mesh {
     let positions = corners.map(DVec3::from_array).to_vec();
     Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
 }
 
 /// Independent estimates of one small image.
 #[derive(Clone)]
-pub struct Replicas {
+pub(crate) struct Replicas {
     /// Of each: all pixels' channels.
     pub images: Vec<Vec<f64>>,
 }
 
-pub fn settings(method: Method, stratification: Stratification, per_pixel: f64) -> Settings {
+pub(crate) fn settings(method: Method, stratification: Stratification, per_pixel: f64) -> Settings {
     Settings::new(method, per_pixel).with(|s| (s.stratification, s.seed) = (stratification, 1))
 }
 
 /// Every round is a replica.
-pub fn replicas(world: &World, size: [u32; 2], settings: &Settings, rounds: Range<u64>) -> Replicas {
+pub(crate) fn replicas(world: &World, size: [u32; 2], settings: &Settings, rounds: Range<u64>) -> Replicas {
     let camera = world.camera(size);
     let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());
     let black = renderer.sums();
@@ -90,7 +90,7 @@ pub fn replicas(world: &World, size: [u32; 2], settings: &Settings, rounds: Rang
 }
 
 /// Every round of an estimator is a replica.
-pub fn replicas_of<E: Estimator<3>>(estimator: &E, pixels: u32, unit: f64, rounds: Range<u64>) -> Replicas {
+pub(crate) fn replicas_of<E: Estimator<3>>(estimator: &E, pixels: u32, unit: f64, rounds: Range<u64>) -> Replicas {
     let one = |round| {
         let mut sums = Accumulated::new(Film::new(pixels, unit));
         render(estimator, round..round + 1, &mut sums, &mut |_, _| ControlFlow::Continue(()));
@@ -100,12 +100,18 @@ pub fn replicas_of<E: Estimator<3>>(estimator: &E, pixels: u32, unit: f64, round
 }
 
 /// Replicas by Metropolis, with equal shares for all strata and a sample for every four of the mutations.
-pub fn metropolis(world: &World, size: [u32; 2], cut: Stratification, per_pixel: f64, rounds: Range<u64>) -> Replicas {
+pub(crate) fn metropolis(
+    world: &World,
+    size: [u32; 2],
+    cut: Stratification,
+    per_pixel: f64,
+    rounds: Range<u64>,
+) -> Replicas {
     metropolis_in(world, size, (cut, |_| true), per_pixel, rounds)
 }
 
 /// Contribution of some of the strata to [`metropolis`], replica by replica.
-pub fn metropolis_in(
+pub(crate) fn metropolis_in(
     world: &World,
     size: [u32; 2],
     (cut, included): (Stratification, impl Fn(usize) -> bool),
@@ -131,14 +137,14 @@ fn image(film: &Film<3>) -> Vec<f64> {
 }
 
 /// Values with their variances.
-pub struct Known {
+pub(crate) struct Known {
     pub values: Vec<f64>,
     pub variances: Vec<f64>,
 }
 
 impl Known {
     /// Values that are known but for rounding.
-    pub fn exactly(values: Vec<f64>) -> Self {
+    pub(crate) fn exactly(values: Vec<f64>) -> Self {
         let variances = values.iter().map(|v| (v * ROUNDING).powi(2)).collect();
         Self { values, variances }
     }
@@ -146,13 +152,13 @@ impl Known {
 
 impl Replicas {
     /// Adds `factor` × another estimate, replica by replica.
-    pub fn plus(&self, factor: f64, other: &Self) -> Self {
+    pub(crate) fn plus(&self, factor: f64, other: &Self) -> Self {
         let add = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a + factor * b).collect();
         Self { images: self.images.iter().zip(&other.images).map(add).collect() }
     }
 
     /// Means over blocks of `side` × `side` pixels. A pixel that few replicas light has a mean that is not normal.
-    pub fn in_blocks(&self, [width, height]: [u32; 2], side: u32) -> Self {
+    pub(crate) fn in_blocks(&self, [width, height]: [u32; 2], side: u32) -> Self {
         let channels = 3;
         let block = |x: &Vec<f64>, column: u32, row: u32, channel: usize| {
             let pixels = (row..row + side).flat_map(|y| (column..column + side).map(move |x| (y * width + x) as usize));
@@ -177,7 +183,7 @@ impl Replicas {
     }
 
     /// p-value, corrected for the number of pixels and channels, of the hypothesis that both have one expectation.
-    pub fn p_value(&self, other: &Self) -> f64 {
+    pub(crate) fn p_value(&self, other: &Self) -> f64 {
         let (n, m) = (self.images.len() as f64 - 1.0, other.images.len() as f64 - 1.0);
         let welch = |(a, va): (f64, f64), (b, vb): (f64, f64)| {
             let variance = va + vb;
@@ -188,7 +194,7 @@ impl Replicas {
     }
 
     /// The same against known values.
-    pub fn p_value_of(&self, known: &Known) -> f64 {
+    pub(crate) fn p_value_of(&self, known: &Known) -> f64 {
         let n = known.values.len() as f64;
         let mean = known.values.iter().sum::<f64>() / n;
         let mean_variance = (mean * ROUNDING).powi(2).max(known.variances.iter().sum::<f64>() / (n * n));
@@ -200,19 +206,19 @@ impl Replicas {
     }
 
     /// Standard error of the image's mean, relative.
-    pub fn relative_error(&self) -> f64 {
+    pub(crate) fn relative_error(&self) -> f64 {
         let estimates = self.estimates();
         let (mean, square) = estimates[estimates.len() - 1];
         square.sqrt() / mean
     }
 }
 
-pub fn assert_same(p: f64, what: &str) {
+pub(crate) fn assert_same(p: f64, what: &str) {
     println!("{what}: p = {p:.2e}");
     assert!(p > SIGNIFICANCE, "{what}: p = {p:e}");
 }
 
-pub fn assert_different(p: f64, what: &str) {
+pub(crate) fn assert_different(p: f64, what: &str) {
     println!("{what}: p = {p:.2e}, as it must be");
     assert!(p < SIGNIFICANCE, "{what}: an error that has to be seen has p = {p:e}");
 }

@@ -7,17 +7,17 @@ use tempfile::TempDir;
 
 /// A glTF document with its buffer: one triangle in the xy plane that faces +z, with normals, u16 indices and a camera.
 #[derive(Clone)]
-pub struct Document {
+pub(crate) struct Document {
     pub json: Value,
     pub bin: Vec<u8>,
 }
 
-pub fn f32s(values: &[f32]) -> Vec<u8> {
+pub(crate) fn f32s(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
 impl Document {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let mut bin = f32s(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
         bin.extend(f32s(&[0., 0., 2., 0., 0., 2., 0., 0., 2.]));
         bin.extend([0, 0, 1, 0, 2, 0, 0, 0]);
@@ -45,7 +45,7 @@ impl Document {
     }
 
     /// The document with `value` at a JSON pointer, whose parent must exist.
-    pub fn with(mut self, pointer: &str, value: Value) -> Self {
+    pub(crate) fn with(mut self, pointer: &str, value: Value) -> Self {
         let (parent, key) = pointer.rsplit_once('/').unwrap();
         let parent = self.json.pointer_mut(parent).unwrap_or_else(|| panic!("nothing at {parent}"));
         match parent {
@@ -57,7 +57,7 @@ impl Document {
     }
 
     /// The document with `bytes` behind its buffer, in a buffer view of their own.
-    pub fn with_view(mut self, bytes: &[u8]) -> Self {
+    pub(crate) fn with_view(mut self, bytes: &[u8]) -> Self {
         let offset = self.bin.len();
         self.bin.extend_from_slice(bytes);
         let length = self.bin.len();
@@ -65,13 +65,13 @@ impl Document {
         self.with("/bufferViews/-", json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }))
     }
 
-    pub fn write(&self, folder: &Path) {
+    pub(crate) fn write(&self, folder: &Path) {
         fs::write(folder.join("scene.gltf"), self.json.to_string()).unwrap();
         fs::write(folder.join("scene.bin"), &self.bin).unwrap();
     }
 
     /// As binary glTF; the buffer is the binary chunk.
-    pub fn glb(&self) -> Vec<u8> {
+    pub(crate) fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         json["buffers"][0].as_object_mut().unwrap().remove("uri");
         let mut json = json.to_string().into_bytes();
@@ -90,18 +90,18 @@ impl Document {
         glb
     }
 
-    pub fn load(&self) -> Result<Loaded, SceneError> {
+    pub(crate) fn load(&self) -> Result<Loaded, SceneError> {
         let folder = TempDir::new().unwrap();
         self.write(folder.path());
         load(&folder.path().join("scene.gltf"))
     }
 
-    pub fn loaded(&self) -> Loaded {
+    pub(crate) fn loaded(&self) -> Loaded {
         self.load().unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The error, after checks that hold for each: it is one sentence and names the file.
-    pub fn error(&self) -> String {
+    pub(crate) fn error(&self) -> String {
         let error = self.load().map(|l| l.warnings).unwrap_err().to_string();
         check_sentence(&error);
         error
@@ -109,14 +109,14 @@ impl Document {
 }
 
 /// One line that names a file and a remedy.
-pub fn check_sentence(error: &str) {
+pub(crate) fn check_sentence(error: &str) {
     assert!(!error.contains('\n') && !error.ends_with('.'), "{error}");
     assert!(error.contains("scene.") || error.starts_with('/'), "names no file: {error}");
     assert!(error.contains(';'), "offers no remedy: {error}");
 }
 
 /// Writes the files into a new folder and loads the first.
-pub fn load_files(files: &[(&str, &[u8])]) -> Result<Loaded, SceneError> {
+pub(crate) fn load_files(files: &[(&str, &[u8])]) -> Result<Loaded, SceneError> {
     let folder = TempDir::new().unwrap();
     for (name, content) in files {
         fs::write(folder.path().join(name), content).unwrap();

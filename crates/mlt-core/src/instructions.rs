@@ -5,12 +5,12 @@
 
 /// Plain Rust.
 #[derive(Clone, Copy, Debug)]
-pub struct Portable;
+pub(crate) struct Portable;
 
 /// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy, Debug)]
-pub struct Avx2(());
+pub(crate) struct Avx2(());
 
 #[cfg(target_arch = "x86_64")]
 impl Avx2 {
@@ -28,7 +28,7 @@ impl Avx2 {
 
 /// The instruction set to use, chosen once.
 #[derive(Clone, Copy, Debug)]
-pub enum InstructionSet {
+pub(crate) enum InstructionSet {
     /// Any processor.
     Portable(Portable),
     /// x86-64 since 2013.
@@ -37,7 +37,7 @@ pub enum InstructionSet {
 }
 
 /// Code that may be compiled for each instruction set.
-pub trait Work {
+pub(crate) trait Work {
     /// Type of its result.
     type Outcome;
 
@@ -47,7 +47,7 @@ pub trait Work {
 
 impl InstructionSet {
     /// The best that this processor has.
-    pub fn detect() -> Self {
+    pub(crate) fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = Avx2::detect() {
             return Self::Avx2(avx2);
@@ -57,7 +57,7 @@ impl InstructionSet {
 
     /// Does `work` with these instructions: to the same bits, since the compiler fuses nothing that is not written fused.
     #[inline(always)]
-    pub fn perform<W: Work>(self, work: W) -> W::Outcome {
+    pub(crate) fn perform<W: Work>(self, work: W) -> W::Outcome {
         match self {
             Self::Portable(_) => work.perform(),
             #[cfg(target_arch = "x86_64")]

@@ -41,7 +41,7 @@ pub(crate) struct GeometrySize {
 
 impl GeometrySize {
     /// Counts the triangles of a mesh.
-    pub fn add(&mut self, triangles: usize, emit: bool, textured: bool) {
+    pub(crate) fn add(&mut self, triangles: usize, emit: bool, textured: bool) {
         self.triangles = self.triangles.saturating_add(triangles);
         self.emitters = self.emitters.saturating_add(if emit { triangles } else { 0 });
         self.textured = self.textured.saturating_add(if textured { triangles } else { 0 });
@@ -49,7 +49,7 @@ impl GeometrySize {
 
     /// Takes the memory for them, or refuses the scene. The renderer's needs are greater than those of the mesh in the
     /// making, at most 200 bytes a triangle, and come later.
-    pub fn take(&self, source: &Source) -> Result<(), SceneError> {
+    pub(crate) fn take(&self, source: &Source) -> Result<(), SceneError> {
         if self.triangles > Scene::MOST_TRIANGLES {
             return Err(source.too_large("the scene", "triangles", Scene::MOST_TRIANGLES));
         }
@@ -84,7 +84,7 @@ impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<'_, P, N> {
     /// Keeps the triangles that have an area and the vertices that they use; `None`: nothing is left.
     ///
     /// The material is left at 0 for the caller to set.
-    pub fn finish(self, warnings: &mut Vec<String>) -> Option<Mesh> {
+    pub(crate) fn finish(self, warnings: &mut Vec<String>) -> Option<Mesh> {
         let mut mesh = Mesh { name: shown(&self.name), ..Mesh::default() };
         let (mut bad, mut lost) = (HashSet::new(), 0usize);
         for &corners in &self.triangles {

@@ -38,7 +38,7 @@ pub(crate) struct Images {
 
 impl Images {
     /// Decodes files, each given by its name and its content, or by why there is none.
-    pub fn decode(
+    pub(crate) fn decode(
         source: &Source,
         files: BTreeMap<String, Result<Cow<[u8]>, String>>,
         warnings: &mut Vec<String>,
@@ -65,7 +65,7 @@ impl Images {
     }
 
     /// Number of the texture that reads an image in this way; `None`: the image was left out.
-    pub fn texture(&mut self, name: &str, sampler: Sampler, encoding: Encoding) -> Option<u32> {
+    pub(crate) fn texture(&mut self, name: &str, sampler: Sampler, encoding: Encoding) -> Option<u32> {
         let pixels = self.decoded.get(name)?;
         let next = self.textures.len() as u32;
         let number = *self.known.entry((name.to_owned(), sampler, encoding)).or_insert(next);
@@ -76,7 +76,12 @@ impl Images {
     }
 
     /// Name of the image that is made of another, whose kind says how; `None`: that was left out.
-    pub fn derived(&mut self, name: &str, kind: &str, make: impl FnOnce(&Pixels) -> Option<Pixels>) -> Option<String> {
+    pub(crate) fn derived(
+        &mut self,
+        name: &str,
+        kind: &str,
+        make: impl FnOnce(&Pixels) -> Option<Pixels>,
+    ) -> Option<String> {
         let pixels = self.decoded.get(name)?;
         let derived = format!("{kind} of {name}");
         if !self.decoded.contains_key(&derived) {
@@ -87,12 +92,12 @@ impl Images {
     }
 
     /// An image; `None`: it was left out.
-    pub fn pixels(&self, name: &str) -> Option<&Pixels> {
+    pub(crate) fn pixels(&self, name: &str) -> Option<&Pixels> {
         self.decoded.get(name).map(Arc::as_ref)
     }
 
     /// The textures, by number.
-    pub fn into_textures(self) -> Vec<Texture> {
+    pub(crate) fn into_textures(self) -> Vec<Texture> {
         self.textures
     }
 }

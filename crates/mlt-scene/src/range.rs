@@ -14,7 +14,7 @@ pub(crate) struct Range<'a> {
 
 impl Range<'_> {
     /// `value` in [least, most]; what is not a number becomes the least.
-    pub fn number(&mut self, what: &str, value: f32, [least, most]: [f32; 2]) -> f32 {
+    pub(crate) fn number(&mut self, what: &str, value: f32, [least, most]: [f32; 2]) -> f32 {
         let taken = limited(value, least, most);
         if taken != value {
             self.warn(what, value, taken);
@@ -23,7 +23,7 @@ impl Range<'_> {
     }
 
     /// Each component in [0, most].
-    pub fn colour(&mut self, what: &str, value: Rgb, most: f32) -> Rgb {
+    pub(crate) fn colour(&mut self, what: &str, value: Rgb, most: f32) -> Rgb {
         let taken = Rgb::from_array(value.to_array().map(|c| limited(c, 0.0, most)));
         if taken != value {
             self.warn(what, value, taken);

@@ -27,18 +27,18 @@ pub(crate) struct Source<'a> {
 
 impl<'a> Source<'a> {
     /// A file on disk.
-    pub fn file(path: &Path, memory: &'a Memory) -> Self {
+    pub(crate) fn file(path: &Path, memory: &'a Memory) -> Self {
         Self { path: path.to_owned(), embedded: None, memory, hashes: Mutex::default() }
     }
 
     /// The first of `files`; the others lie beside it.
-    pub fn embedded(files: Embedded, memory: &'a Memory) -> Self {
+    pub(crate) fn embedded(files: Embedded, memory: &'a Memory) -> Self {
         let path = files.first().map_or_else(PathBuf::new, |f| f.0.into());
         Self { path, embedded: Some(files), memory, hashes: Mutex::default() }
     }
 
     /// The scene file's content.
-    pub fn read(&self) -> Result<Vec<u8>, SceneError> {
+    pub(crate) fn read(&self) -> Result<Vec<u8>, SceneError> {
         match self.embedded {
             Some(_) => self.read_beside(&self.path.to_string_lossy()),
             None => Ok(self.noted("", self.read_file(&self.path)?)),
@@ -46,7 +46,7 @@ impl<'a> Source<'a> {
     }
 
     /// Tells the scene by the contents of all files of it that were read, whatever their order and wherever they lie.
-    pub fn digest(&self) -> String {
+    pub(crate) fn digest(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         for (name, hash) in self.hashes.lock().expect("no thread has failed").iter() {
             hasher.update(&(name.len() as u64).to_le_bytes()).update(name.as_bytes()).update(hash.as_bytes());
@@ -62,7 +62,7 @@ impl<'a> Source<'a> {
     }
 
     /// The content of the file at the relative path `name` below the scene's folder.
-    pub fn read_beside(&self, name: &str) -> Result<Vec<u8>, SceneError> {
+    pub(crate) fn read_beside(&self, name: &str) -> Result<Vec<u8>, SceneError> {
         let name = name.replace('\\', "/");
         if has_scheme(&name) || leaves_folder(Path::new(&name)) {
             return Err(self.outside(&name));
@@ -97,33 +97,38 @@ impl<'a> Source<'a> {
     }
 
     /// Takes the memory that `what` is about to fill, or refuses the scene.
-    pub fn take(&self, bytes: u64, what: impl Into<String>) -> Result<(), SceneError> {
+    pub(crate) fn take(&self, bytes: u64, what: impl Into<String>) -> Result<(), SceneError> {
         let refused = |shortage| SceneError::Memory { path: self.path.clone(), what: what.into(), shortage };
         self.memory.take(bytes).map_err(refused)
     }
 
     /// The error that a reference leaves the scene's folder.
-    pub fn outside(&self, uri: &str) -> SceneError {
+    pub(crate) fn outside(&self, uri: &str) -> SceneError {
         SceneError::Outside { path: self.path.clone(), uri: shown(uri) }
     }
 
     /// The error that no scene has this name, but some have these.
-    pub fn no_scene(&self, name: &str, known: &[&str]) -> SceneError {
+    pub(crate) fn no_scene(&self, name: &str, known: &[&str]) -> SceneError {
         SceneError::NoScene { path: self.path.clone(), name: shown(name), hint: names::instead_of(name, known) }
     }
 
     /// The error that geometry is compressed by an extension.
-    pub fn compressed(&self, extension: &str) -> SceneError {
+    pub(crate) fn compressed(&self, extension: &str) -> SceneError {
         SceneError::Compressed { path: self.path.clone(), extension: extension.to_owned() }
     }
 
     /// The error that `place` cannot be because of `reason`.
-    pub fn invalid(&self, place: impl Into<String>, reason: impl Into<String>, remedy: &'static str) -> SceneError {
+    pub(crate) fn invalid(
+        &self,
+        place: impl Into<String>,
+        reason: impl Into<String>,
+        remedy: &'static str,
+    ) -> SceneError {
         SceneError::Invalid { path: self.path.clone(), place: place.into(), reason: reason.into(), remedy }
     }
 
     /// The error that `place` has more than `limit` of `what`.
-    pub fn too_large(&self, place: impl Into<String>, what: &'static str, limit: usize) -> SceneError {
+    pub(crate) fn too_large(&self, place: impl Into<String>, what: &'static str, limit: usize) -> SceneError {
         SceneError::TooLarge { path: self.path.clone(), place: place.into(), what, limit: limit as u64 }
     }
 }

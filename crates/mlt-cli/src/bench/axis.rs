@@ -4,7 +4,7 @@ use super::row::Row;
 
 /// Horizontal axis of a chart of error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
+pub(super) enum Axis {
     /// Seconds on the clock.
     Seconds,
     /// Rays per pixel.
@@ -15,7 +15,7 @@ pub enum Axis {
 
 impl Axis {
     /// Where a run stands on it.
-    pub fn of(self, row: &Row) -> f64 {
+    pub(super) fn of(self, row: &Row) -> f64 {
         match self {
             Self::Seconds => row.seconds,
             Self::Rays => row.rays as f64 / (row.key.width * row.key.height) as f64,
@@ -24,7 +24,7 @@ impl Axis {
     }
 
     /// Its name with unit.
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Seconds => "seconds",
             Self::Rays => "rays per pixel",

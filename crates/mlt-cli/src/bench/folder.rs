@@ -17,36 +17,42 @@ const IDENTITY: &str = "mlt.bench";
 
 /// Where results go.
 #[derive(Clone, Debug)]
-pub struct Folder(PathBuf);
+pub(super) struct Folder(PathBuf);
 
 /// An image and, where known, the standard errors of its values.
-pub type WithErrors = (Image, Option<Vec<[f32; 3]>>);
+pub(super) type WithErrors = (Image, Option<Vec<[f32; 3]>>);
 
 impl Folder {
     /// Creates the folder and its folder of images, if they are not there.
-    pub fn create(path: &Path) -> anyhow::Result<Self> {
+    pub(super) fn create(path: &Path) -> anyhow::Result<Self> {
         fs::create_dir_all(path.join("images")).with_context(|| format!("{}: cannot be created", path.display()))?;
         Ok(Self(path.to_owned()))
     }
 
     /// A file in it.
-    pub fn file(&self, name: &str) -> PathBuf {
+    pub(super) fn file(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
 
     /// Writes a file whole or not at all.
-    pub fn write(&self, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
         atomic::write(&self.file(name), bytes)
     }
 
     /// Keeps an image under a name; `identity`: everything that decides its pixels.
-    pub fn keep(&self, name: &str, identity: &str, image: &Image, stderr: Option<&[[f32; 3]]>) -> anyhow::Result<()> {
+    pub(super) fn keep(
+        &self,
+        name: &str,
+        identity: &str,
+        image: &Image,
+        stderr: Option<&[[f32; 3]]>,
+    ) -> anyhow::Result<()> {
         let bytes = exr::encode(image, stderr, &[(IDENTITY.to_owned(), identity.to_owned())])?;
         atomic::write(&self.image(name), &bytes)
     }
 
     /// The image kept under this name; `None` if there is none, or it is of another identity or damaged.
-    pub fn kept(&self, name: &str, identity: &str) -> Option<WithErrors> {
+    pub(super) fn kept(&self, name: &str, identity: &str) -> Option<WithErrors> {
         let file = exr::read(&self.image(name)).ok()?;
         let same = file.attributes.iter().any(|(name, value)| name == IDENTITY && value == identity);
         same.then_some((file.image, file.stderr))

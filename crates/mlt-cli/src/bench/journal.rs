@@ -13,7 +13,7 @@ use super::row::{Key, Row};
 /// A file of JSON lines, one a run, that is only ever added to.
 ///
 /// A line that cannot be read, such as one cut short when the program was killed, is as good as a run that was not made.
-pub struct Journal {
+pub(super) struct Journal {
     path: PathBuf,
     file: File,
     rows: Vec<Row>,
@@ -21,7 +21,7 @@ pub struct Journal {
 
 impl Journal {
     /// Opens or creates the file.
-    pub fn open(path: &Path) -> anyhow::Result<Self> {
+    pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
         let name = || format!("{}: cannot be used", path.display());
         let text = match fs::read(path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
@@ -36,12 +36,12 @@ impl Journal {
     }
 
     /// The run with this key, if it was made.
-    pub fn find(&self, key: &Key) -> Option<&Row> {
+    pub(super) fn find(&self, key: &Key) -> Option<&Row> {
         self.rows.iter().rev().find(|row| row.key == *key)
     }
 
     /// Adds a run: one write, then to the disk.
-    pub fn add(&mut self, row: Row) -> anyhow::Result<()> {
+    pub(super) fn add(&mut self, row: Row) -> anyhow::Result<()> {
         let line = serde_json::to_string(&row).context("cannot encode a result")? + "\n";
         let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
         written.with_context(|| format!("{}: cannot be written", self.path.display()))?;

@@ -17,15 +17,15 @@ const MAP: [[f32; 3]; 6] = [
 ];
 
 /// The error at the end of the map's colours.
-pub const LARGEST: f64 = 0.5;
+pub(super) const LARGEST: f64 = 0.5;
 
 /// An image as `data:` address of a PNG. `exposure` in stops.
-pub fn data_uri(image: &Image, exposure: f64) -> anyhow::Result<String> {
+pub(super) fn data_uri(image: &Image, exposure: f64) -> anyhow::Result<String> {
     Ok(format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png::encode(image, exposure)?)))
 }
 
 /// |a − b| / √(a² + 10⁻²) of the luminances, the root of a pixel's part of relMSE, in false colour.
-pub fn error_map(reference: &Reference, image: &Image) -> anyhow::Result<Image> {
+pub(super) fn error_map(reference: &Reference, image: &Image) -> anyhow::Result<Image> {
     let colour = |(&a, b): (&f32, f32)| {
         let (a, b) = (f64::from(a), f64::from(b));
         map((a - b).abs() / (a * a + REL_MSE_EPSILON).sqrt() / LARGEST).map(png::linear_from_srgb)
@@ -35,7 +35,7 @@ pub fn error_map(reference: &Reference, image: &Image) -> anyhow::Result<Image> 
 }
 
 /// The map's colours as CSS, from left to right.
-pub fn map_css() -> String {
+pub(super) fn map_css() -> String {
     let stop = |colour: &[f32; 3]| {
         let [r, g, b] = colour.map(|value| (value * 255.0).round());
         format!("rgb({r} {g} {b})")

@@ -9,10 +9,10 @@ use super::{
 };
 
 /// Unstratified and stratified, with the paper's weights; it does not say into how many cells it cuts a light.
-pub const METHODS: [&str; 2] = ["mlt:none:weights=power", "mlt:4x4:weights=power"];
+pub(super) const METHODS: [&str; 2] = ["mlt:none:weights=power", "mlt:4x4:weights=power"];
 
 /// A scene of the paper's table.
-pub struct PaperScene {
+pub(super) struct PaperScene {
     /// The built-in scene.
     pub name: &'static str,
     /// relativeDiff, unstratified and stratified.
@@ -22,7 +22,7 @@ pub struct PaperScene {
 }
 
 /// Source: [Jankauski15], section 5.
-pub const SCENES: [PaperScene; 3] = [
+pub(super) const SCENES: [PaperScene; 3] = [
     PaperScene { name: "ring", relative_diff: [0.013, 0.010], acceptance: [0.3440, 0.3461] },
     PaperScene { name: "cornell", relative_diff: [0.025, 0.026], acceptance: [0.4210, 0.4235] },
     PaperScene { name: "suzanne", relative_diff: [0.080, 0.070], acceptance: [0.3382, 0.3388] },
@@ -30,7 +30,7 @@ pub const SCENES: [PaperScene; 3] = [
 
 /// One algorithm on one scene: the means over the renders.
 #[derive(Clone, Debug, Serialize)]
-pub struct Cell {
+pub(super) struct Cell {
     /// relativeDiff.
     pub relative_diff: f64,
     /// Its 95 % confidence interval.
@@ -47,7 +47,7 @@ pub struct Cell {
 
 /// One scene.
 #[derive(Clone, Debug, Serialize)]
-pub struct Comparison {
+pub(super) struct Comparison {
     /// The scene's name.
     pub scene: &'static str,
     /// Renders of each algorithm.
@@ -67,7 +67,7 @@ pub struct Comparison {
 }
 
 /// The table, without scenes of which runs are missing.
-pub fn table(rows: &[Row]) -> Vec<Comparison> {
+pub(super) fn table(rows: &[Row]) -> Vec<Comparison> {
     SCENES.iter().filter_map(|scene| compare(scene, rows)).collect()
 }
 
@@ -114,7 +114,7 @@ fn cell(scene: &PaperScene, method: usize, rows: &[&Row]) -> Cell {
 }
 
 /// The table for a terminal; empty without scenes.
-pub fn text(table: &[Comparison]) -> String {
+pub(super) fn text(table: &[Comparison]) -> String {
     let mut text = String::new();
     if !table.is_empty() {
         text += "scene    algorithm     relativeDiff  paper  acceptance    paper  rays/pixel\n";

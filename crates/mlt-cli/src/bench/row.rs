@@ -8,7 +8,7 @@ use crate::report::StratumReport;
 
 /// Key of a run; two runs with the same key need not both be made.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct Key {
+pub(super) struct Key {
     /// The scene as named on the command line.
     pub scene: String,
     /// The method as named on the command line.
@@ -31,7 +31,7 @@ pub struct Key {
 
 /// Errors against the reference.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
-pub struct Errors {
+pub(super) struct Errors {
     /// mean (a − b)² / max(a, 10⁻³).
     pub relative_diff: f64,
     /// mean (a − b)² / (a² + 10⁻²).
@@ -46,7 +46,7 @@ pub struct Errors {
 
 /// One run.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-pub struct Row {
+pub(super) struct Row {
     /// The run's key.
     #[serde(flatten)]
     pub key: Key,
@@ -81,7 +81,7 @@ pub struct Row {
 
 /// One stratum of a run.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
-pub struct Stratum {
+pub(super) struct Stratum {
     /// b_j = ∫_{Ω_j} I.
     pub b: f64,
     /// Standard error of `b`; `None` where it is unknown.
@@ -98,13 +98,13 @@ impl From<StratumReport> for Stratum {
 }
 
 /// JSON has no infinity and no NaN.
-pub fn finite(value: f64) -> Option<f64> {
+pub(super) fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
 impl Row {
     /// Mutations per pixel, for an independent method samples per pixel.
-    pub fn per_pixel(&self) -> f64 {
+    pub(super) fn per_pixel(&self) -> f64 {
         let work = if self.mutations > 0 { self.mutations } else { self.samples };
         work as f64 / (self.key.width * self.key.height) as f64
     }
@@ -115,7 +115,7 @@ const COLUMNS: &str = "scene,method,strata,seed,budget,width,height,max_length,t
 rays,mutations,samples,acceptance,relative_diff,rel_mse,mape,mean_ratio,flip,b,b_stderr,strata_count\n";
 
 /// All rows as CSV (RFC 4180), with a line of names; unknown values are empty.
-pub fn csv<'a>(rows: impl IntoIterator<Item = &'a Row>) -> String {
+pub(super) fn csv<'a>(rows: impl IntoIterator<Item = &'a Row>) -> String {
     let mut text = COLUMNS.to_owned();
     for row in rows {
         text += &(cells(row).map(|cell| quoted(&cell)).join(",") + "\n");

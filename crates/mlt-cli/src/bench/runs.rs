@@ -14,7 +14,7 @@ use super::{
 use crate::{Failure, interrupt::Interrupt, render::Rendered};
 
 /// A study that is ready to run.
-pub struct Ready<'a> {
+pub(super) struct Ready<'a> {
     /// The grid.
     pub study: &'a Study,
     /// Its scenes, with their references.
@@ -31,7 +31,7 @@ pub struct Ready<'a> {
 
 impl Ready<'_> {
     /// Makes every run that the journal does not have, on the current rayon pool. False when a signal stopped it.
-    pub fn make_runs(&self, journal: &mut Journal) -> Result<bool, Failure> {
+    pub(super) fn make_runs(&self, journal: &mut Journal) -> Result<bool, Failure> {
         let missing: Vec<Run> = self.study.runs().filter(|run| !self.is_made(run, journal)).collect();
         let total = self.study.runs().count();
         let start = Instant::now();
@@ -59,12 +59,12 @@ impl Ready<'_> {
     }
 
     /// The rows that there are, in the order of the grid.
-    pub fn rows(&self, journal: &Journal) -> Vec<Row> {
+    pub(super) fn rows(&self, journal: &Journal) -> Vec<Row> {
         self.study.runs().filter_map(|run| journal.find(&self.key(&run)).cloned()).collect()
     }
 
     /// The image that stands for a method in the report: largest budget, first seed.
-    pub fn image(&self, scene: usize, method: usize) -> Option<crate::image::Image> {
+    pub(super) fn image(&self, scene: usize, method: usize) -> Option<crate::image::Image> {
         let run = Run { scene, method, budget: self.study.budgets.len() - 1, seed: 1 };
         Some(self.folder.kept(&self.image_name(&run), &self.identity(&run))?.0)
     }
@@ -125,13 +125,13 @@ impl Ready<'_> {
     }
 
     /// Progress, a line an event.
-    pub fn say(&self, text: &str) {
+    pub(super) fn say(&self, text: &str) {
         say(self.quiet, text);
     }
 }
 
 /// One line on standard error; nobody is left to tell when that fails.
-pub fn say(quiet: bool, text: &str) {
+pub(super) fn say(quiet: bool, text: &str) {
     if !quiet {
         let _ = writeln!(std::io::stderr(), "{text}");
     }

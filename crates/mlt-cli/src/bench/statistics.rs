@@ -12,10 +12,10 @@ const RESAMPLES: usize = 4000;
 const ALPHA: f64 = 0.05;
 
 /// A statistic of a sample; the sample may be reordered.
-pub type Statistic = fn(&mut [f64]) -> f64;
+pub(crate) type Statistic = fn(&mut [f64]) -> f64;
 
 /// Middle value, or the mean of the two middle values; NaN without values.
-pub fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     match (values.len() / 2, values.len() % 2) {
         (0, 0) => f64::NAN,
@@ -25,23 +25,23 @@ pub fn median(values: &mut [f64]) -> f64 {
 }
 
 /// Sum over number; NaN without values.
-pub fn mean(values: &mut [f64]) -> f64 {
+pub(crate) fn mean(values: &mut [f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Median of values that come from anywhere.
-pub fn median_of(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn median_of(values: impl Iterator<Item = f64>) -> f64 {
     median(&mut values.collect::<Vec<_>>())
 }
 
 /// Mean of values that come from anywhere.
-pub fn mean_of(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn mean_of(values: impl Iterator<Item = f64>) -> f64 {
     mean(&mut values.collect::<Vec<_>>())
 }
 
 /// A figure with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub(crate) struct Estimate {
     /// The figure.
     pub value: f64,
     /// Lower and upper end; `None` when there were too few runs to tell.
@@ -50,7 +50,7 @@ pub struct Estimate {
 
 /// Reading of a ratio's interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// All of the interval is below one.
     Less,
     /// All of the interval is above one.
@@ -61,7 +61,7 @@ pub enum Verdict {
 
 impl Estimate {
     /// Compares a ratio with one.
-    pub fn verdict(&self) -> Verdict {
+    pub(crate) fn verdict(&self) -> Verdict {
         match self.interval {
             Some((_, high)) if high < 1.0 => Verdict::Less,
             Some((low, _)) if low > 1.0 => Verdict::Greater,
@@ -75,7 +75,7 @@ impl Estimate {
 /// The percentiles are Φ(±√(n/(n−1)) t), which corrects the plain percentile interval's lack of width at small n: n is
 /// the smaller sample's size, t Student's quantile of n_a + n_b − 2 degrees of freedom. The same samples give the same
 /// interval. Source: [Hesterberg15], section 4.
-pub fn ratio(a: &[f64], b: &[f64], statistic: Statistic) -> Estimate {
+pub(crate) fn ratio(a: &[f64], b: &[f64], statistic: Statistic) -> Estimate {
     let value = statistic(&mut a.to_vec()) / statistic(&mut b.to_vec());
     let percentile = percentile(a.len().min(b.len()), a.len() + b.len());
     let interval = percentile.map(|p| {
@@ -86,7 +86,7 @@ pub fn ratio(a: &[f64], b: &[f64], statistic: Statistic) -> Estimate {
 }
 
 /// statistic(values), with an interval as [`ratio`]'s of n − 1 degrees of freedom.
-pub fn estimate(values: &[f64], statistic: Statistic) -> Estimate {
+pub(crate) fn estimate(values: &[f64], statistic: Statistic) -> Estimate {
     let interval = percentile(values.len(), values.len() + 1).map(|p| {
         let mut rng = Pcg64Mcg::seed_from_u64(0);
         interval(p, || statistic(&mut resample(values, &mut rng)))
@@ -118,7 +118,7 @@ fn interval(percentile: f64, draw: impl FnMut() -> f64) -> (f64, f64) {
 }
 
 /// Slope of the least-squares line through (ln x, ln y); `None` with fewer than two different x.
-pub fn log_log_slope(points: &[(f64, f64)]) -> Option<f64> {
+pub(crate) fn log_log_slope(points: &[(f64, f64)]) -> Option<f64> {
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let (x, y) = (mean_of(logs.iter().map(|p| p.0)), mean_of(logs.iter().map(|p| p.1)));
     let sum = |f: fn(f64, f64) -> f64| logs.iter().map(|p| f(p.0 - x, p.1 - y)).sum::<f64>();
@@ -128,7 +128,7 @@ pub fn log_log_slope(points: &[(f64, f64)]) -> Option<f64> {
 
 /// Where a falling curve reaches a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
+pub(crate) struct Crossing {
     /// The abscissa.
     pub x: f64,
     /// True when it lies outside of the measured points, on the line that continues them.
@@ -137,7 +137,7 @@ pub struct Crossing {
 
 /// The first x at which the curve through `points` (x rising) is down at `y`: straight between points in log-log, beyond
 /// them with the fitted slope. `None` when the curve does not fall.
-pub fn crossing(points: &[(f64, f64)], y: f64) -> Option<Crossing> {
+pub(crate) fn crossing(points: &[(f64, f64)], y: f64) -> Option<Crossing> {
     let (&first, &last) = (points.first()?, points.last()?);
     for pair in points.windows(2) {
         let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);

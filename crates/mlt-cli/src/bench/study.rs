@@ -17,7 +17,7 @@ const REFERENCE_FACTOR: f64 = 10.0;
 
 /// A grid of runs and how to find the truth.
 #[derive(Clone, Debug)]
-pub struct Study {
+pub(super) struct Study {
     /// Files or built-in names.
     pub scenes: Vec<PathBuf>,
     /// The methods compared.
@@ -32,7 +32,7 @@ pub struct Study {
 
 /// Where a reference comes from.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Truth {
+pub(super) enum Truth {
     /// An image file.
     File(PathBuf),
     /// A render.
@@ -41,7 +41,7 @@ pub enum Truth {
 
 /// One cell of the grid; indices into the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run {
+pub(super) struct Run {
     /// Index of the scene.
     pub scene: usize,
     /// Index of the budget.
@@ -54,7 +54,7 @@ pub struct Run {
 
 impl Study {
     /// The study that was asked for, or what is wrong with it.
-    pub fn new(options: &BenchOptions) -> Result<Self, Failure> {
+    pub(super) fn new(options: &BenchOptions) -> Result<Self, Failure> {
         let (mut study, truth) = if options.paper { paper(options)? } else { asked(options)? };
         study.budgets.sort_by(|a, b| a.amount().total_cmp(&b.amount()));
         unique("budget", &study.budgets)?;
@@ -73,7 +73,7 @@ impl Study {
 
     /// All runs, seed by seed: a study that is stopped early has few seeds, but of everything, and a machine that
     /// changes its speed changes it for all methods.
-    pub fn runs(&self) -> impl Iterator<Item = Run> + '_ {
+    pub(super) fn runs(&self) -> impl Iterator<Item = Run> + '_ {
         let methods =
             move |seed, scene, budget| (0..self.methods.len()).map(move |method| Run { scene, budget, method, seed });
         let budgets = move |seed, scene| (0..self.budgets.len()).flat_map(move |budget| methods(seed, scene, budget));
@@ -81,7 +81,7 @@ impl Study {
     }
 
     /// Whether the runs end at the same place every time.
-    pub fn repeats(&self) -> bool {
+    pub(super) fn repeats(&self) -> bool {
         self.budgets.iter().all(Budget::repeats)
     }
 }

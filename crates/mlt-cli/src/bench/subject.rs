@@ -33,7 +33,7 @@ const TRIAL: f64 = 0.125;
 const LEAST: f64 = 1.0 / 64.0;
 
 /// A scene, loaded.
-pub struct Subject {
+pub(super) struct Subject {
     /// As named on the command line.
     pub name: String,
     /// The scene and the camera to render.
@@ -44,7 +44,7 @@ pub struct Subject {
 
 impl Subject {
     /// Loads the scene; `reference`: the image whose size it takes if the options name none.
-    pub fn load(scene: &Path, options: &BenchOptions, reference: Option<&Image>) -> Result<Self, Failure> {
+    pub(super) fn load(scene: &Path, options: &BenchOptions, reference: Option<&Image>) -> Result<Self, Failure> {
         let from_image = |image: &Image| Size { width: image.width, height: image.height };
         let usual = Size { width: USUAL_SIDE, height: USUAL_SIDE };
         let size = options.size.or(reference.map(from_image)).unwrap_or(usual);
@@ -56,7 +56,7 @@ impl Subject {
     }
 
     /// Renders on the current rayon pool; `None` when a signal stopped it.
-    pub fn render(
+    pub(super) fn render(
         &self,
         method: &Contestant,
         budget: Budget,
@@ -101,7 +101,7 @@ impl Subject {
     }
 
     /// Finds the reference in the folder, or renders it; `None` when a signal stopped that.
-    pub fn reference(
+    pub(super) fn reference(
         &self,
         truth: &Truth,
         file: Option<WithErrors>,
@@ -134,7 +134,7 @@ impl Subject {
 }
 
 /// An image that is taken for true.
-pub struct Reference {
+pub(super) struct Reference {
     /// Its pixels.
     pub image: Image,
     /// Luminance of each.
@@ -149,7 +149,7 @@ pub struct Reference {
 
 impl Reference {
     /// Reads the file, with the standard errors that an OpenEXR file of ours holds.
-    pub fn read(path: &Path) -> anyhow::Result<WithErrors> {
+    pub(super) fn read(path: &Path) -> anyhow::Result<WithErrors> {
         let (image, format) = output::read_image(path)?;
         let stderr = if format == Format::Exr { exr::read(path)?.stderr } else { None };
         if let Some((x, y)) = image.first_non_finite() {
@@ -171,7 +171,7 @@ impl Reference {
     }
 
     /// How far an image of the same size is from it.
-    pub fn errors(&self, image: &Image) -> anyhow::Result<Errors> {
+    pub(super) fn errors(&self, image: &Image) -> anyhow::Result<Errors> {
         let Measures { relative_diff, rel_mse, mape, mean_ratio } =
             Measures::between(&self.luminance, &image.luminance()).context("the sizes of the images differ")?;
         if ![relative_diff, rel_mse, mape, mean_ratio].iter().all(|value| value.is_finite()) {

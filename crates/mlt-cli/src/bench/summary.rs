@@ -10,35 +10,35 @@ use crate::args::{bench::Budget, contestant::Contestant};
 
 /// Runs that differ in the seed alone; never empty.
 #[derive(Clone, Debug)]
-pub struct Point<'a> {
+pub(super) struct Point<'a> {
     /// In the order of the seeds.
     pub rows: Vec<&'a Row>,
 }
 
 impl Point<'_> {
     /// A figure of each run.
-    pub fn values(&self, figure: impl Fn(&Row) -> f64) -> Vec<f64> {
+    pub(super) fn values(&self, figure: impl Fn(&Row) -> f64) -> Vec<f64> {
         self.rows.iter().map(|row| figure(row)).collect()
     }
 
     /// Median over the seeds.
-    pub fn median(&self, figure: impl Fn(&Row) -> f64) -> f64 {
+    pub(super) fn median(&self, figure: impl Fn(&Row) -> f64) -> f64 {
         median_of(self.values(figure).into_iter())
     }
 
     /// Mean over the seeds of a figure that some runs do not have; `None` if none has it.
-    pub fn mean(&self, figure: impl Fn(&Row) -> Option<f64>) -> Option<f64> {
+    pub(super) fn mean(&self, figure: impl Fn(&Row) -> Option<f64>) -> Option<f64> {
         let mean = mean_of(self.rows.iter().filter_map(|row| figure(row)));
         mean.is_finite().then_some(mean)
     }
 
     /// relMSE of each run.
-    pub fn errors(&self) -> Vec<f64> {
+    pub(super) fn errors(&self) -> Vec<f64> {
         self.values(|row| row.errors.rel_mse)
     }
 
     /// Largest relMSE over the median one; `None` for exact images.
-    pub fn worst_over_median(&self) -> Option<f64> {
+    pub(super) fn worst_over_median(&self) -> Option<f64> {
         let ratio = self.errors().into_iter().fold(0.0, f64::max) / self.median(|row| row.errors.rel_mse);
         ratio.is_finite().then_some(ratio)
     }
@@ -46,7 +46,7 @@ impl Point<'_> {
 
 /// A method on a scene: a point a budget, rising; never empty.
 #[derive(Clone, Debug)]
-pub struct Curve<'a> {
+pub(super) struct Curve<'a> {
     /// Index of the method in the study.
     pub method: usize,
     /// As named on the command line.
@@ -57,29 +57,29 @@ pub struct Curve<'a> {
 
 impl Curve<'_> {
     /// The point of the largest budget.
-    pub fn last(&self) -> &Point<'_> {
+    pub(super) fn last(&self) -> &Point<'_> {
         &self.points[self.points.len() - 1]
     }
 
     /// Medians of abscissa and relMSE, of points with an error above zero.
-    pub fn medians(&self, axis: Axis) -> Vec<(f64, f64)> {
+    pub(super) fn medians(&self, axis: Axis) -> Vec<(f64, f64)> {
         let median = |point: &Point| (point.median(|row| axis.of(row)), point.median(|row| row.errors.rel_mse));
         self.points.iter().map(median).filter(|(x, y)| *x > 0.0 && *y > 0.0).collect()
     }
 
     /// Exponent of the error's fall: −1 for independent samples.
-    pub fn slope(&self, axis: Axis) -> Option<f64> {
+    pub(super) fn slope(&self, axis: Axis) -> Option<f64> {
         log_log_slope(&self.medians(axis))
     }
 
     /// Where the median error reaches a target.
-    pub fn reaches(&self, axis: Axis, target: f64) -> Option<Crossing> {
+    pub(super) fn reaches(&self, axis: Axis, target: f64) -> Option<Crossing> {
         crossing(&self.medians(axis), target)
     }
 }
 
 /// All curves of a scene, in the order of the methods.
-pub fn curves<'a>(study: &Study, rows: &'a [Row], scene: &str) -> Vec<Curve<'a>> {
+pub(super) fn curves<'a>(study: &Study, rows: &'a [Row], scene: &str) -> Vec<Curve<'a>> {
     let of_method = |(method, contestant): (usize, &Contestant)| {
         let text = contestant.to_string();
         let mine = || rows.iter().filter(|row| row.key.scene == scene && row.key.method == text);
@@ -96,7 +96,7 @@ pub fn curves<'a>(study: &Study, rows: &'a [Row], scene: &str) -> Vec<Curve<'a>>
 }
 
 /// The error to compare times at: the geometric mean of the medians that the methods end with.
-pub fn usual_target(curves: &[Curve]) -> Option<f64> {
+pub(super) fn usual_target(curves: &[Curve]) -> Option<f64> {
     let ends = curves.iter().map(|curve| curve.last().median(|row| row.errors.rel_mse)).filter(|error| *error > 0.0);
     let target = mean_of(ends.map(f64::ln)).exp();
     target.is_finite().then_some(target)

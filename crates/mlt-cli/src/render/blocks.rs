@@ -10,7 +10,7 @@ const LEAST_ROUNDS: usize = 4;
 
 /// Contribution of each round to each block: mean luminance of the image that comes from it.
 #[derive(Clone, Debug)]
-pub struct Blocks {
+pub(crate) struct Blocks {
     grid: Grid,
     /// Of each round in the order of their numbers.
     pub rounds: Vec<Vec<f64>>,
@@ -25,7 +25,7 @@ impl From<&engine::Blocks<3>> for Blocks {
 impl Blocks {
     /// The largest share that one round has of the light of a part of the image, over parts that are no darker than the image;
     /// `None` for a black image. A part is four blocks: one alone is small enough to be lit by chance.
-    pub fn largest_round(&self) -> Option<f64> {
+    pub(crate) fn largest_round(&self) -> Option<f64> {
         let [columns, rows] = self.grid.cut;
         let part = |block: usize| (block / columns / 2) * columns.div_ceil(2) + block % columns / 2;
         let mut parts = vec![(0.0_f64, 0.0_f64); columns.div_ceil(2) * rows.div_ceil(2)];
@@ -46,7 +46,7 @@ impl Blocks {
     /// ones differ by B/n = Var(q̂), so R̂² = 1 + Var(q̂)/W and n = W/Var(q̂): R̂ = 1.05 means ten.
     ///
     /// Source: [GelmanRubin92].
-    pub fn agreement(&self) -> Option<Agreement> {
+    pub(crate) fn agreement(&self) -> Option<Agreement> {
         if self.rounds.len() < LEAST_ROUNDS {
             return None;
         }

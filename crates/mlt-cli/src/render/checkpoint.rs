@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Writes the sums of a render to a file, time and again.
-pub struct Checkpoint<'a> {
+pub(super) struct Checkpoint<'a> {
     path: Option<&'a Path>,
     every: Duration,
     last: Instant,
@@ -23,12 +23,12 @@ pub struct Checkpoint<'a> {
 
 impl<'a> Checkpoint<'a> {
     /// To the file that was asked for, if one was.
-    pub fn new(options: &'a KeptOptions) -> Self {
+    pub(super) fn new(options: &'a KeptOptions) -> Self {
         Self { path: options.file(), every: options.checkpoint_every, last: Instant::now() }
     }
 
     /// Writes if it is time. One that fails leaves the file as it was and the render going: the next may succeed, and the last is told.
-    pub fn offer(&mut self, about: impl FnOnce() -> anyhow::Result<About>, sums: &Sums) {
+    pub(super) fn offer(&mut self, about: impl FnOnce() -> anyhow::Result<About>, sums: &Sums) {
         let Some(path) = self.path.filter(|_| self.last.elapsed() >= self.every) else { return };
         let written = about().and_then(|about| atomic::write(path, &kept::encode(&about, sums)?));
         if let Err(error) = written {

@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Writes all files, on the current rayon pool, and names them in the report. One that cannot be written does not stop the others.
-pub fn write(options: &RenderOptions, finished: Finished) -> Result<Report, Failure> {
+pub(crate) fn write(options: &RenderOptions, finished: Finished) -> Result<Report, Failure> {
     let Finished { sums, about, mut report, per_pixel } = finished;
     let attributes = attributes(options, &report, per_pixel)?;
     let save = |output: &OutputFile, bytes: anyhow::Result<Vec<u8>>| -> anyhow::Result<String> {
@@ -47,7 +47,7 @@ pub fn write(options: &RenderOptions, finished: Finished) -> Result<Report, Fail
 type Errors = Vec<[f32; 3]>;
 
 /// The image and its standard errors; `None` where one round tells nothing of them.
-pub fn develop(mut film: Film<3>) -> anyhow::Result<(Image, Option<Errors>)> {
+pub(super) fn develop(mut film: Film<3>) -> anyhow::Result<(Image, Option<Errors>)> {
     film.finish();
     let [width, height] = film.size().map(|n| n as usize);
     let image = Image::new(width, height, film.means())?;

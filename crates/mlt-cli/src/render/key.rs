@@ -11,12 +11,12 @@ use crate::args::{
 };
 
 /// Options of the view, with the size that the image has.
-pub fn view(options: &RenderOptions, [width, height]: [usize; 2]) -> ViewOptions {
+pub(super) fn view(options: &RenderOptions, [width, height]: [usize; 2]) -> ViewOptions {
     ViewOptions { size: Some(Size { width, height }), ..options.view.clone() }
 }
 
 /// Names and values of scene and settings: rounds with the same key are of one render and add up.
-pub fn key(options: &RenderOptions, setup: &Setup, per_pixel: f64) -> anyhow::Result<Key> {
+pub(super) fn key(options: &RenderOptions, setup: &Setup, per_pixel: f64) -> anyhow::Result<Key> {
     let view = view(options, setup.camera.size().map(|n| n as usize));
     let of_render = [
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -29,7 +29,7 @@ pub fn key(options: &RenderOptions, setup: &Setup, per_pixel: f64) -> anyhow::Re
 }
 
 /// The words of `mlt render` that stand for the same image, whatever its budget.
-pub fn arguments(options: &RenderOptions, size: [usize; 2]) -> anyhow::Result<Vec<String>> {
+pub(super) fn arguments(options: &RenderOptions, size: [usize; 2]) -> anyhow::Result<Vec<String>> {
     let of_render = [("method", options.method().to_string()), ("exposure", options.exposure.to_string())]
         .map(|(name, value)| (name.to_owned(), value));
     let pairs =

@@ -7,7 +7,7 @@ use mlt_core::transport::render::Counts;
 const NAMED: usize = 4;
 
 /// One warning for each kind of loss, those of chains first. `width`: pixels in a row.
-pub fn losses(film: &Film<3>, counts: &Counts, width: usize) -> Vec<String> {
+pub(super) fn losses(film: &Film<3>, counts: &Counts, width: usize) -> Vec<String> {
     // A black image has a warning of its own, whatever made it.
     let of_chains = counts.chains().warnings().into_iter().filter(|warning| warning.kind != WarningKind::Black);
     let mut warnings: Vec<_> = of_chains.map(|warning| warning.to_string()).collect();

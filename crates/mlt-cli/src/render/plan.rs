@@ -26,7 +26,7 @@ const PARTS: f64 = 64.0;
 
 /// How large a round is, and when a render ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
+pub(crate) struct Plan {
     /// Mutations or samples a pixel of one round; `None`: measured first, to suit the time.
     pub per_pixel: Option<f64>,
     /// Number of rounds; `None`: until the end comes.
@@ -45,7 +45,7 @@ pub struct Plan {
 impl Plan {
     /// The plan for what was asked for, or a sensible one. `held`: mutations or samples a pixel of the rounds that there are already,
     /// if any.
-    pub fn new(options: &RenderOptions, held: Option<f64>) -> Self {
+    pub(crate) fn new(options: &RenderOptions, held: Option<f64>) -> Self {
         let (method, rounds, first, shard) =
             (options.method(), options.rounds, options.first_round, options.keeping.shard);
         let open = Self { per_pixel: held, rounds, first, shard, time: None, error: None, method };
@@ -77,18 +77,18 @@ impl Plan {
     }
 
     /// Numbers of all rounds, over all shards; `None`: until the end comes.
-    pub fn whole(&self) -> Option<Range<u64>> {
+    pub(crate) fn whole(&self) -> Option<Range<u64>> {
         self.rounds.map(|rounds| self.first..self.first + rounds)
     }
 
     /// Numbers of the rounds that are made here.
-    pub fn own(&self) -> Range<u64> {
+    pub(crate) fn own(&self) -> Range<u64> {
         let whole = self.whole().unwrap_or(self.first..u64::MAX);
         self.shard.map_or(whole.clone(), |shard| shard.of(whole))
     }
 
     /// Refuses shards of which some have no round.
-    pub fn check(&self) -> Result<(), Failure> {
+    pub(crate) fn check(&self) -> Result<(), Failure> {
         match (self.shard, self.rounds) {
             (Some(shard), Some(rounds)) if shard.count() > rounds => Err(Failure::Usage(anyhow!(
                 "--shard {shard}: there are only {rounds} rounds to share out; make fewer parts, or more rounds with --rounds"
@@ -98,14 +98,14 @@ impl Plan {
     }
 
     /// Where the render ends.
-    pub fn limits(&self) -> Limits {
+    pub(crate) fn limits(&self) -> Limits {
         let own = self.own();
         let rounds = self.rounds.map(|_| own.end - own.start);
         Limits { rounds, time: self.time, error: self.error }
     }
 
     /// The warning if the error that was asked for is not reached.
-    pub fn missed(&self, rounds: u64, error: Option<f64>) -> Option<String> {
+    pub(crate) fn missed(&self, rounds: u64, error: Option<f64>) -> Option<String> {
         let target = 100.0 * self.error?;
         match error {
             Some(error) if 100.0 * error <= target => None,
@@ -121,7 +121,7 @@ impl Plan {
     }
 
     /// The size of a round that suits the time, at `rate` mutations or samples a pixel and second.
-    pub fn per_pixel_at(&self, rate: f64, time: Duration) -> f64 {
+    pub(crate) fn per_pixel_at(&self, rate: f64, time: Duration) -> f64 {
         let total = rate * time.as_secs_f64();
         let usual = if self.method.mutates() { TIMED_ROUNDS } else { FEWEST_ROUNDS };
         let ideal = self.rounds.map_or((total / usual).min(self.largest_round()), |rounds| total / rounds as f64);
@@ -134,13 +134,13 @@ impl Plan {
     }
 
     /// The options that make a render of `rounds` rounds of this size again.
-    pub fn budget_option(method: Method, per_pixel: f64, rounds: u64) -> String {
+    pub(crate) fn budget_option(method: Method, per_pixel: f64, rounds: u64) -> String {
         let total = per_pixel * rounds as f64;
         format!("--{}-per-pixel {total}", method.unit())
     }
 
     /// Mutations or samples a pixel of a render that nothing is said about.
-    pub fn usual(method: Method) -> f64 {
+    pub(crate) fn usual(method: Method) -> f64 {
         match method {
             Method::Mlt | Method::Mmlt => 128.0,
             Method::Bdpt | Method::Pssmlt => 32.0,

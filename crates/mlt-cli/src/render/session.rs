@@ -33,7 +33,7 @@ const BYTES_PER_MUTATION: f64 = 4.2;
 const BYTES_PER_SAMPLE: f64 = 64.0;
 
 /// A render that is over.
-pub struct Finished {
+pub(crate) struct Finished {
     /// Its rounds.
     pub sums: Sums,
     /// Which render they are of.
@@ -45,7 +45,7 @@ pub struct Finished {
 }
 
 /// Renders on the current rayon pool, going on from `kept` rounds if there are some.
-pub fn run(
+pub(super) fn run(
     options: &RenderOptions,
     setup: &Setup,
     plan: Plan,

@@ -23,7 +23,7 @@ const BYTES_PER_PIXEL_KEPT: u64 = 320;
 
 /// The scene and the camera to render.
 #[derive(Debug)]
-pub struct Setup {
+pub(crate) struct Setup {
     /// Where the image comes from.
     pub provenance: Provenance,
     /// A hash of the scene's files.
@@ -38,12 +38,12 @@ pub struct Setup {
 
 impl Setup {
     /// Loads the scene and finds the camera.
-    pub fn new(options: &RenderOptions) -> Result<Self, Failure> {
+    pub(crate) fn new(options: &RenderOptions) -> Result<Self, Failure> {
         Self::edited(options, |_| ())
     }
 
     /// The same of a scene that is changed once it is loaded.
-    pub fn edited(options: &RenderOptions, edit: impl FnOnce(&mut SceneDescription)) -> Result<Self, Failure> {
+    pub(crate) fn edited(options: &RenderOptions, edit: impl FnOnce(&mut SceneDescription)) -> Result<Self, Failure> {
         let memory = memory();
         let loaded = mlt_scene::open_within(&options.scene, &options.reading.load_options(), &memory);
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;

@@ -18,7 +18,7 @@ const ENOUGH: Duration = Duration::from_millis(300);
 const TASK: f64 = 8192.0;
 
 /// The size of a round.
-pub struct Round {
+pub(super) struct Round {
     /// Mutations or samples a pixel.
     pub per_pixel: f64,
     /// Time that a round of it takes, about; 0 where that does not matter.
@@ -27,7 +27,7 @@ pub struct Round {
 
 impl Round {
     /// As planned, or measured to suit the time.
-    pub fn new(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> Self {
+    pub(super) fn new(options: &RenderOptions, view: View, plan: &Plan, interrupt: &Interrupt) -> Self {
         match (plan.per_pixel, plan.time) {
             (Some(per_pixel), None) => Self { per_pixel, time: Duration::ZERO },
             _ => measured(options, view, plan, interrupt),

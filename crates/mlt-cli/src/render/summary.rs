@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// The report, but for times, files and what only the session knows.
-pub fn report(options: &RenderOptions, provenance: &Provenance, sums: &Sums) -> Report {
+pub(crate) fn report(options: &RenderOptions, provenance: &Provenance, sums: &Sums) -> Report {
     let (film, counts, blocks) = (sums.film(), sums.tally(), &Blocks::from(sums.film().blocks()));
     let [width, height] = film.size().map(|n| n as usize);
     let error = relative_error(film);
@@ -98,7 +98,7 @@ fn without_effect(options: &RenderOptions) -> Option<String> {
 }
 
 /// Where the image of these options comes from.
-pub fn provenance(options: &RenderOptions, setup: &Setup) -> Provenance {
+pub(super) fn provenance(options: &RenderOptions, setup: &Setup) -> Provenance {
     let mut provenance = setup.provenance.clone();
     provenance.warnings.extend(out_of_reach(options, setup));
     provenance

@@ -14,7 +14,7 @@ const WORST: f64 = 0.01;
 const AROUND: usize = 2;
 
 /// The figures of a render.
-pub fn trust(film: &Film<3>, counts: &Counts, blocks: &Blocks, size: [u32; 2]) -> Trust {
+pub(super) fn trust(film: &Film<3>, counts: &Counts, blocks: &Blocks, size: [u32; 2]) -> Trust {
     let (enough, b) = (film.rounds() >= TRUSTED_ROUNDS, mean_luminance(film));
     Trust {
         worst_pixels: enough.then(|| worst_pixels(film, size)).flatten(),

@@ -31,7 +31,7 @@ struct Kept {
 }
 
 /// The scenes asked for, or all.
-pub fn scenes(options: &VerifyOptions) -> Result<Vec<&'static Scene>, Failure> {
+pub(super) fn scenes(options: &VerifyOptions) -> Result<Vec<&'static Scene>, Failure> {
     if options.scenes.is_empty() {
         return Ok(SCENES.iter().collect());
     }
@@ -58,14 +58,14 @@ const FAULTS: [(&str, &str); 6] = [
 ];
 
 /// Every method there is.
-pub fn all_methods() -> Result<Vec<Contestant>, Failure> {
+pub(super) fn all_methods() -> Result<Vec<Contestant>, Failure> {
     let names = Method::value_variants().iter().map(Method::to_string).chain([STRATIFIED.to_owned()]);
     let methods = names.map(|name| name.parse()).collect::<Result<_, String>>();
     methods.map_err(|message| Failure::Run(anyhow::anyhow!(message)))
 }
 
 /// Judges what is not judged yet, and writes the table after each scene.
-pub fn run(court: &Court, scenes: &[&Scene], folder: &Path) -> Result<Vec<Verdict>, Failure> {
+pub(super) fn run(court: &Court, scenes: &[&Scene], folder: &Path) -> Result<Vec<Verdict>, Failure> {
     let create =
         |path: &Path| fs::create_dir_all(path).with_context(|| format!("{}: cannot be created", path.display()));
     create(&folder.join("verdicts"))?;
@@ -139,7 +139,7 @@ fn fingerprint(bytes: &[u8]) -> u64 {
 }
 
 /// The page docs/stability.md.
-pub fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
+pub(super) fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
     let mut page = format!(
         "# Where methods fail\n\n{}\nWritten by `mlt verify --gallery -o FOLDER` (FOLDER/stability.md); [verify.md](verify.md) says what \
          it tests, and [gallery.md](gallery.md) shows the scenes.\nFor each scene and method: {}.\n\n",

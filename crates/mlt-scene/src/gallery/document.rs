@@ -20,7 +20,7 @@ pub(crate) struct Shape {
 
 impl Shape {
     /// Both together; the other's corners come behind. Both have normals or none has.
-    pub fn and(mut self, other: Self) -> Self {
+    pub(crate) fn and(mut self, other: Self) -> Self {
         let first = self.positions.len() as u32;
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
         self.positions.extend(other.positions);
@@ -29,7 +29,7 @@ impl Shape {
     }
 
     /// Each corner moved.
-    pub fn map(mut self, f: impl Fn(DVec3) -> DVec3) -> Self {
+    pub(crate) fn map(mut self, f: impl Fn(DVec3) -> DVec3) -> Self {
         self.positions.iter_mut().for_each(|p| *p = f(*p));
         self
     }
@@ -54,17 +54,17 @@ pub(super) struct Document {
 
 impl Document {
     /// Nothing but a camera.
-    pub fn new(eye: Eye) -> Self {
+    pub(super) fn new(eye: Eye) -> Self {
         Self { materials: Vec::new(), meshes: Vec::new(), eye, root: None }
     }
 
     /// Moves the camera.
-    pub fn look(&mut self, eye: Eye) {
+    pub(super) fn look(&mut self, eye: Eye) {
         self.eye = eye;
     }
 
     /// A diffuse surface without a coat.
-    pub fn diffuse(&mut self, name: &str, [r, g, b]: [f32; 3]) -> Paint {
+    pub(super) fn diffuse(&mut self, name: &str, [r, g, b]: [f32; 3]) -> Paint {
         self.material(json!({
             "name": name,
             "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0, "roughnessFactor": 1 },
@@ -74,7 +74,7 @@ impl Document {
     }
 
     /// A metal of this roughness.
-    pub fn metal(&mut self, name: &str, [r, g, b]: [f32; 3], roughness: f32) -> Paint {
+    pub(super) fn metal(&mut self, name: &str, [r, g, b]: [f32; 3], roughness: f32) -> Paint {
         self.material(json!({
             "name": name,
             "pbrMetallicRoughness":
@@ -84,7 +84,7 @@ impl Document {
     }
 
     /// The smooth boundary of a solid.
-    pub fn glass(&mut self, name: &str, ior: f32) -> Paint {
+    pub(super) fn glass(&mut self, name: &str, ior: f32) -> Paint {
         self.material(json!({
             "name": name,
             "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0 },
@@ -97,7 +97,7 @@ impl Document {
     }
 
     /// A black surface with this radiance from its front.
-    pub fn light(&mut self, name: &str, radiance: [f32; 3]) -> Paint {
+    pub(super) fn light(&mut self, name: &str, radiance: [f32; 3]) -> Paint {
         let strength = radiance.into_iter().fold(0.0, f32::max);
         self.material(json!({
             "name": name,
@@ -116,12 +116,12 @@ impl Document {
     }
 
     /// Adds a mesh.
-    pub fn add(&mut self, name: &str, paint: Paint, shape: Shape) {
+    pub(super) fn add(&mut self, name: &str, paint: Paint, shape: Shape) {
         self.meshes.push((name.to_owned(), paint, shape));
     }
 
     /// The file, with its geometry in a data URI.
-    pub fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let mut buffer = Buffer::default();
         let mesh = |(name, paint, shape): &(String, Paint, Shape)| {
             let positions: Vec<_> = shape.positions.iter().map(|p| p.as_vec3()).collect();

@@ -52,17 +52,17 @@ struct Layout {
 
 impl Vectors<'_> {
     /// Number of elements.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.elements.count
     }
 
     /// Components of each.
-    pub fn components(&self) -> usize {
+    pub(super) fn components(&self) -> usize {
         self.components
     }
 
     /// The element at `i`, which is less than [`count`](Self::count); components that it lacks are 0.
-    pub fn at<const N: usize>(&self, i: u32) -> [f32; N] {
+    pub(super) fn at<const N: usize>(&self, i: u32) -> [f32; N] {
         let size = self.kind.size();
         let decoded = |b: &[u8], k: usize| component(&b[k * size..], self.kind, self.normalized);
         let decode = |b: &[u8]| std::array::from_fn(|k| if k < self.components { decoded(b, k) } else { 0.0 });
@@ -86,12 +86,12 @@ impl<'a> Strided<'a> {
 
 impl<'a> Reader<'a> {
     /// A reader of the document's buffers.
-    pub fn new(source: &'a Source<'a>, parsed: &'a Parsed, buffers: &'a Buffers<'a>) -> Self {
+    pub(super) fn new(source: &'a Source<'a>, parsed: &'a Parsed, buffers: &'a Buffers<'a>) -> Self {
         Self { source, document: &parsed.document, buffers, vectors: HashMap::new() }
     }
 
     /// The elements of an accessor of three components.
-    pub fn vectors(&mut self, accessor: &Accessor) -> Result<Rc<Vectors<'a>>, SceneError> {
+    pub(super) fn vectors(&mut self, accessor: &Accessor) -> Result<Rc<Vectors<'a>>, SceneError> {
         if accessor.dimensions() != Dimensions::Vec3 {
             self.check_type(accessor)?;
             return Err(self.invalid(accessor, "elements of three components are expected"));
@@ -100,7 +100,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The elements of an accessor of any components, but for small matrices, whose columns are padded.
-    pub fn any_vectors(&mut self, accessor: &Accessor) -> Result<Rc<Vectors<'a>>, SceneError> {
+    pub(super) fn any_vectors(&mut self, accessor: &Accessor) -> Result<Rc<Vectors<'a>>, SceneError> {
         if let Some(known) = self.vectors.get(&accessor.index()) {
             return Ok(known.clone());
         }
@@ -116,7 +116,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The elements of an accessor of vertex indices.
-    pub fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, SceneError> {
+    pub(super) fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, SceneError> {
         self.check_type(accessor)?;
         if !matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32) {
             return Err(self.invalid(accessor, "unsigned integers are expected"));

@@ -43,7 +43,7 @@ struct Track<'a> {
 
 impl Pose {
     /// At a time, in seconds.
-    pub fn at(
+    pub(super) fn at(
         reader: &mut Reader,
         document: &Document,
         time: f64,
@@ -85,7 +85,7 @@ impl Pose {
     }
 
     /// A node's transform to its parent's space.
-    pub fn local(&self, node: &Node) -> DMat4 {
+    pub(super) fn local(&self, node: &Node) -> DMat4 {
         let moved = self.transforms.get(&node.index()).copied().unwrap_or_default();
         match node.transform() {
             Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
@@ -101,7 +101,7 @@ impl Pose {
     }
 
     /// Weights of the morph targets of a node's mesh; those at rest are the node's, or the mesh's.
-    pub fn weights(&self, node: &Node) -> Vec<f64> {
+    pub(super) fn weights(&self, node: &Node) -> Vec<f64> {
         let rest = || {
             let own = node.weights().or_else(|| node.mesh()?.weights());
             own.unwrap_or_default().iter().copied().map(f64::from).collect()

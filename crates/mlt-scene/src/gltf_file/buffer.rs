@@ -40,7 +40,7 @@ pub(super) struct Buffers<'a> {
 
 impl<'a> Buffers<'a> {
     /// Reads nothing yet.
-    pub fn new(source: &'a Source<'a>, parsed: &'a Parsed) -> Self {
+    pub(super) fn new(source: &'a Source<'a>, parsed: &'a Parsed) -> Self {
         let document = &parsed.document;
         let read = document.buffers().map(|_| OnceCell::new()).collect();
         let decoded = document.views().map(|_| OnceCell::new()).collect();
@@ -48,7 +48,7 @@ impl<'a> Buffers<'a> {
     }
 
     /// The content of a buffer, at least as long as the document says.
-    pub fn content(&self, buffer: &Buffer) -> Result<&[u8], SceneError> {
+    pub(super) fn content(&self, buffer: &Buffer) -> Result<&[u8], SceneError> {
         let place = format!("buffers[{}]", buffer.index());
         let bytes = match (buffer.source(), self.binary) {
             (buffer::Source::Bin, Some(binary)) if buffer.index() == 0 => binary,
@@ -69,13 +69,13 @@ impl<'a> Buffers<'a> {
     }
 
     /// The content of a buffer view, given by its index.
-    pub fn view_at(&self, index: usize) -> Result<&[u8], SceneError> {
+    pub(super) fn view_at(&self, index: usize) -> Result<&[u8], SceneError> {
         let view = self.document.views().nth(index).ok_or_else(|| self.invalid(index, "it does not exist"))?;
         self.view(&view)
     }
 
     /// The content of a buffer view, decompressed if need be.
-    pub fn view(&self, view: &View) -> Result<&[u8], SceneError> {
+    pub(super) fn view(&self, view: &View) -> Result<&[u8], SceneError> {
         let extension = meshopt::NAMES.iter().find_map(|name| Some((*name, view.extension_value(name)?)));
         let Some((name, value)) = extension else {
             return self.part(view.index(), &view.buffer(), [view.offset(), view.length()]);
@@ -109,7 +109,7 @@ impl<'a> Buffers<'a> {
     }
 
     /// The content that a URI names or holds; `place` names its owner.
-    pub fn read_uri(&self, place: &str, uri: &str) -> Result<Vec<u8>, SceneError> {
+    pub(super) fn read_uri(&self, place: &str, uri: &str) -> Result<Vec<u8>, SceneError> {
         read_uri(self.source, place, uri)
     }
 

@@ -17,14 +17,14 @@ pub(super) struct Graph<'a> {
 
 impl<'a> Graph<'a> {
     /// The graph of a document in a pose, of which nothing is reached yet.
-    pub fn new(document: &'a Document, pose: &'a Pose) -> Self {
+    pub(super) fn new(document: &'a Document, pose: &'a Pose) -> Self {
         Self { document, pose, reached: vec![false; document.nodes().len()] }
     }
 
     /// The nodes of the scene of this name, or of the default one, in the file's order.
     ///
     /// A node that is reached twice makes the graph no tree, which also finds every cycle.
-    pub fn shown(&mut self, source: &Source, name: Option<&str>) -> Result<Vec<Placed<'a>>, SceneError> {
+    pub(super) fn shown(&mut self, source: &Source, name: Option<&str>) -> Result<Vec<Placed<'a>>, SceneError> {
         let scene = match name {
             Some(name) => Some(self.scene(source, name)?),
             None => self.document.default_scene().or_else(|| self.document.scenes().next()),
@@ -41,7 +41,7 @@ impl<'a> Graph<'a> {
     }
 
     /// The nodes outside of it; empty where they are no trees.
-    pub fn others(&mut self) -> Vec<Placed<'a>> {
+    pub(super) fn others(&mut self) -> Vec<Placed<'a>> {
         let mut roots = self.roots();
         roots.retain(|root| !self.reached[root.index()]);
         self.flatten(roots).unwrap_or_default()

@@ -32,7 +32,7 @@ pub(super) struct Parsed {
 
 impl Parsed {
     /// The binary chunk of a GLB.
-    pub fn binary(&self) -> Option<&[u8]> {
+    pub(super) fn binary(&self) -> Option<&[u8]> {
         self.binary.clone().map(|chunk| &self.bytes[chunk])
     }
 }

@@ -69,7 +69,7 @@ pub(super) fn joints(
 
 impl<'a, 's> Vertices<'a, 's> {
     /// Of a primitive with positions; `named` begins a warning.
-    pub fn read(
+    pub(super) fn read(
         reader: &mut Reader<'a>,
         primitive: &Primitive,
         positions: Rc<Vectors<'a>>,
@@ -105,22 +105,22 @@ impl<'a, 's> Vertices<'a, 's> {
     }
 
     /// Number of vertices.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.positions.count()
     }
 
     /// Whether they have normals.
-    pub fn have_normals(&self) -> bool {
+    pub(super) fn have_normals(&self) -> bool {
         self.normals.is_some()
     }
 
     /// World position of a vertex.
-    pub fn position(&self, i: u32) -> DVec3 {
+    pub(super) fn position(&self, i: u32) -> DVec3 {
         self.to_world(i).transform_point3(self.shaped(i, &self.positions, |target| target.positions.as_ref()))
     }
 
     /// World normal of a vertex that has one, a unit vector or zero.
-    pub fn normal(&self, i: u32) -> DVec3 {
+    pub(super) fn normal(&self, i: u32) -> DVec3 {
         let Some(normals) = &self.normals else { return DVec3::ZERO };
         let linear = self.linear(i);
         let side = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
@@ -128,7 +128,7 @@ impl<'a, 's> Vertices<'a, 's> {
     }
 
     /// The linear part of what takes a vertex to the world.
-    pub fn linear(&self, i: u32) -> DMat3 {
+    pub(super) fn linear(&self, i: u32) -> DMat3 {
         DMat3::from_mat4(self.to_world(i))
     }
 

@@ -57,7 +57,7 @@ pub(super) struct Slots {
 
 impl Slots {
     /// Of a material.
-    pub fn of(material: &Material) -> Self {
+    pub(super) fn of(material: &Material) -> Self {
         let pbr = material.pbr_metallic_roughness();
         let specular = material.specular();
         let specular = specular.as_ref();
@@ -94,7 +94,7 @@ impl Slots {
     }
 
     /// Each that is there.
-    pub fn iter(&self) -> impl Iterator<Item = Slot> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = Slot> {
         let base = [self.base_color, self.metallic_roughness, self.normal.map(|(slot, _)| slot), self.emission];
         let extensions = [self.transmission, self.specular, self.specular_color];
         let layers = [self.clearcoat, self.clearcoat_roughness, self.sheen_color, self.sheen_roughness];
@@ -104,7 +104,7 @@ impl Slots {
 
 impl Slot {
     /// As a parameter of the renderer reads it, by the number of its texture there.
-    pub fn map(&self, texture: u32) -> Map {
+    pub(super) fn map(&self, texture: u32) -> Map {
         Map { texture, set: self.set.min(1) as u8, transform: self.transform }
     }
 
@@ -169,7 +169,7 @@ impl<'a> Files<'a> {
     }
 
     /// The name of a texture's image, for messages and to tell images apart.
-    pub fn name(&self, texture: usize) -> String {
+    pub(super) fn name(&self, texture: usize) -> String {
         let Ok(image) = self.image(texture) else { return format!("of textures[{texture}]") };
         let json = &self.parsed.document.as_json().images[image];
         match (&json.uri, &json.name) {
@@ -180,7 +180,7 @@ impl<'a> Files<'a> {
     }
 
     /// The content of a texture's image, or why there is none.
-    pub fn content(&self, texture: usize) -> Result<Cow<'a, [u8]>, String> {
+    pub(super) fn content(&self, texture: usize) -> Result<Cow<'a, [u8]>, String> {
         let image = self.image(texture)?;
         let json = &self.parsed.document.as_json().images[image];
         let found = match (&json.uri, json.buffer_view) {
@@ -192,7 +192,7 @@ impl<'a> Files<'a> {
     }
 
     /// How a texture reads its image.
-    pub fn sampler(&self, texture: usize) -> Sampler {
+    pub(super) fn sampler(&self, texture: usize) -> Sampler {
         let root = self.parsed.document.as_json();
         let sampler = root.textures.get(texture).and_then(|t| root.samplers.get(t.sampler?.value()));
         let Some(sampler) = sampler else { return Sampler::default() };

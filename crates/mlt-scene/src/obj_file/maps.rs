@@ -17,10 +17,10 @@ pub(super) struct Statements<'a> {
 impl<'a> Statements<'a> {
     /// Of a material without textures.
     #[cfg(test)]
-    pub const NONE: Self = Self { folder: "", statements: BTreeMap::new() };
+    pub(super) const NONE: Self = Self { folder: "", statements: BTreeMap::new() };
 
     /// Of a material whose library lies in `folder`.
-    pub fn of(material: &tobj::Material, folder: &'a str) -> Self {
+    pub(super) fn of(material: &tobj::Material, folder: &'a str) -> Self {
         let find = |key: &'static str| {
             let rest = material.unknown_param.get(&format!("{PREFIX}{key}"))?;
             Some((key, Statement::parse(rest)?))
@@ -29,12 +29,12 @@ impl<'a> Statements<'a> {
     }
 
     /// Whether there is such a statement.
-    pub fn has(&self, key: &str) -> bool {
+    pub(super) fn has(&self, key: &str) -> bool {
         self.statements.contains_key(key)
     }
 
     /// Adds the content of each file, by name, or why there is none.
-    pub fn read(&self, source: &Source, contents: &mut BTreeMap<String, Result<Cow<[u8]>, String>>) {
+    pub(super) fn read(&self, source: &Source, contents: &mut BTreeMap<String, Result<Cow<[u8]>, String>>) {
         for statement in self.statements.values() {
             let content = || statement.content(source, self.folder).map(Cow::Owned).map_err(|error| error.to_string());
             contents.entry(self.name(statement)).or_insert_with(content);
@@ -46,7 +46,7 @@ impl<'a> Statements<'a> {
     }
 
     /// The maps; `exponent`: of gloss, which `map_Ns` is a factor on; `mirror`: `map_Ks` is the colour of all that is reflected.
-    pub fn maps(&self, images: &mut Images, exponent: Option<f32>, mirror: bool) -> Maps {
+    pub(super) fn maps(&self, images: &mut Images, exponent: Option<f32>, mirror: bool) -> Maps {
         let colour = |key: &str, images: &mut Images| {
             let statement = self.statements.get(key)?;
             self.map(statement, &self.name(statement), Encoding::Srgb, images)

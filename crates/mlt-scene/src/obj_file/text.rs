@@ -114,7 +114,7 @@ struct Kept {
 
 impl Reduced {
     /// Reduces `text`. Colours are kept where every vertex has one.
-    pub fn new(text: &str) -> Self {
+    pub(super) fn new(text: &str) -> Self {
         let all = Kept { colours: true, coordinates: true };
         let reduced = Self::keeping(text, all);
         let mixed = reduced.has_colours && reduced.has_plain;
@@ -122,7 +122,7 @@ impl Reduced {
     }
 
     /// The same without texture coordinates, where faces name some that are not there.
-    pub fn without_coordinates(&self, text: &str) -> Self {
+    pub(super) fn without_coordinates(&self, text: &str) -> Self {
         Self::keeping(text, Kept { colours: !self.has_plain, coordinates: false })
     }
 
@@ -193,7 +193,7 @@ impl Reduced {
     }
 
     /// Parts of the file that were left out and would have been seen.
-    pub fn warnings(&self) -> Vec<String> {
+    pub(super) fn warnings(&self) -> Vec<String> {
         let features = [
             (self.has_lines, "points and lines are not supported and left out"),
             (

@@ -28,7 +28,7 @@ pub(super) struct Statement {
 
 impl Statement {
     /// What follows a keyword; `None`: it names no file.
-    pub fn parse(rest: &str) -> Option<Self> {
+    pub(super) fn parse(rest: &str) -> Option<Self> {
         let (mut scale, mut offset) = (Vec2::ONE, Vec2::ZERO);
         let mut statement = Self {
             file: String::new(),
@@ -59,7 +59,7 @@ impl Statement {
 
     /// The content of its file: beside the library, beside the scene, or there by its name alone, as of a path of another
     /// machine.
-    pub fn content(&self, source: &Source, folder: &str) -> Result<Vec<u8>, SceneError> {
+    pub(super) fn content(&self, source: &Source, folder: &str) -> Result<Vec<u8>, SceneError> {
         let path = self.file.replace('\\', "/");
         let name = path.rsplit('/').next().unwrap_or(&path);
         let beside_library = |file: &str| format!("{folder}{file}");

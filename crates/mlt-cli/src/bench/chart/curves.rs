@@ -18,7 +18,7 @@ const LETTER: f64 = 6.6;
 const LINE_HEIGHT: f64 = 15.0;
 
 /// A method's line.
-pub struct Line {
+pub(crate) struct Line {
     /// Index of the method, for its colour.
     pub method: usize,
     /// Written at its end.
@@ -28,7 +28,7 @@ pub struct Line {
 }
 
 /// The chart. `floor`: a level to mark, with its name.
-pub fn curves(lines: &[Line], x_name: &str, y_name: &str, floor: Option<(f64, &str)>) -> String {
+pub(crate) fn curves(lines: &[Line], x_name: &str, y_name: &str, floor: Option<(f64, &str)>) -> String {
     let longest = lines.iter().map(|line| line.name.chars().count()).max().unwrap_or(0) as f64;
     let right = WIDTH - (longest * LETTER + 22.0).clamp(60.0, 0.45 * WIDTH);
     let points = || lines.iter().flat_map(|line| &line.points);

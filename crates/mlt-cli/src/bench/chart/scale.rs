@@ -2,7 +2,7 @@
 
 /// Maps values to positions, the logarithm linearly.
 #[derive(Clone, Copy, Debug)]
-pub struct LogScale {
+pub(super) struct LogScale {
     low: f64,
     high: f64,
     from: f64,
@@ -11,7 +11,7 @@ pub struct LogScale {
 
 impl LogScale {
     /// An axis that holds all `values` (above zero) with a little room, from position `from` to position `to`.
-    pub fn new(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
+    pub(super) fn new(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let (low, high) = values
             .filter(|value| *value > 0.0 && value.is_finite())
             .fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
@@ -21,13 +21,13 @@ impl LogScale {
     }
 
     /// The position of a value.
-    pub fn at(&self, value: f64) -> f64 {
+    pub(super) fn at(&self, value: f64) -> f64 {
         let share = (value / self.low).ln() / (self.high / self.low).ln();
         self.from + share * (self.to - self.from)
     }
 
     /// Values to write at the axis: powers of ten, or between them as well where those are few.
-    pub fn ticks(&self) -> Vec<f64> {
+    pub(super) fn ticks(&self) -> Vec<f64> {
         let decades = (self.low.log10().floor() as i32)..=(self.high.log10().ceil() as i32);
         let all = |steps: &[f64]| -> Vec<f64> {
             let ticks = decades.clone().flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
@@ -39,7 +39,7 @@ impl LogScale {
 }
 
 /// Three significant digits: `0.0123`, `12.3`, `1.23·10⁻⁵`.
-pub fn significant(value: f64) -> String {
+pub(crate) fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".into() } else { "–".into() };
     }
@@ -53,7 +53,7 @@ pub fn significant(value: f64) -> String {
 }
 
 /// A tick's text: as short as it can be.
-pub fn tick(value: f64) -> String {
+pub(super) fn tick(value: f64) -> String {
     match value.log10().floor() as i32 {
         -2..=5 => {
             let text = format!("{value:.4}");

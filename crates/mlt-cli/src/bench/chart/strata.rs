@@ -14,7 +14,7 @@ const BOTTOM: f64 = 26.0;
 /// of the strata. `None` when all are dark.
 ///
 /// `strata`: b_j, its standard error, n_j.
-pub fn strata(strata: &[(f64, f64, f64)], method: usize) -> Option<String> {
+pub(crate) fn strata(strata: &[(f64, f64, f64)], method: usize) -> Option<String> {
     let sum = |f: fn(&(f64, f64, f64)) -> f64| strata.iter().map(f).sum::<f64>();
     let (b, n) = (sum(|stratum| stratum.0), sum(|stratum| stratum.2));
     if b <= 0.0 || n <= 0.0 {

@@ -79,7 +79,12 @@ struct Picture {
 }
 
 /// The page's text.
-pub fn html(ready: &Ready, rows: &[Row], paper: &[Comparison], options: &BenchOptions) -> anyhow::Result<String> {
+pub(super) fn html(
+    ready: &Ready,
+    rows: &[Row],
+    paper: &[Comparison],
+    options: &BenchOptions,
+) -> anyhow::Result<String> {
     let scenes = ready.subjects.iter().enumerate().map(|(index, (subject, reference))| {
         let curves = curves(ready.study, rows, &subject.name);
         if curves.is_empty() { Ok(None) } else { scene(ready, index, (subject, reference), &curves, options).map(Some) }

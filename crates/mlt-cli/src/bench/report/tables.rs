@@ -11,7 +11,7 @@ use super::super::{
 };
 
 /// A method and its figures.
-pub struct Line {
+pub(super) struct Line {
     /// The method.
     pub name: String,
     /// Its colour.
@@ -21,7 +21,7 @@ pub struct Line {
 }
 
 /// A method against each other.
-pub struct RatioLine {
+pub(super) struct RatioLine {
     /// The method.
     pub name: String,
     /// Its colour.
@@ -31,7 +31,7 @@ pub struct RatioLine {
 }
 
 /// One ratio.
-pub struct RatioCell {
+pub(super) struct RatioCell {
     /// The ratio.
     pub value: String,
     /// Its 95 % confidence interval; empty if unknown.
@@ -41,12 +41,12 @@ pub struct RatioCell {
 }
 
 /// A line of a table.
-pub fn line(curve: &Curve, cells: Vec<String>) -> Line {
+pub(super) fn line(curve: &Curve, cells: Vec<String>) -> Line {
     Line { name: curve.name.to_owned(), colour: chart::colour(curve.method), cells }
 }
 
 /// Medians at the largest budget.
-pub fn error_cells(curve: &Curve, axis: Axis) -> Vec<String> {
+pub(super) fn error_cells(curve: &Curve, axis: Axis) -> Vec<String> {
     let last = curve.last();
     let median = |figure: fn(&Row) -> f64| significant(last.median(figure));
     let optional = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), significant);
@@ -64,7 +64,7 @@ pub fn error_cells(curve: &Curve, axis: Axis) -> Vec<String> {
 }
 
 /// Where each method reaches the target, and that over the best other method's.
-pub fn reach(curves: &[Curve], axes: &[Axis], target: f64) -> Vec<Line> {
+pub(super) fn reach(curves: &[Curve], axes: &[Axis], target: f64) -> Vec<Line> {
     let cells = |curve: &Curve, axis: Axis| {
         let others = curves.iter().filter(|other| other.method != curve.method);
         let best = others.filter_map(|other| other.reaches(axis, target)).min_by(|a, b| a.x.total_cmp(&b.x));
@@ -83,7 +83,7 @@ fn crossing(Crossing { x, extrapolated }: Crossing) -> String {
 }
 
 /// A line of the table of ratios.
-pub fn ratio_line(curve: &Curve, curves: &[Curve]) -> RatioLine {
+pub(super) fn ratio_line(curve: &Curve, curves: &[Curve]) -> RatioLine {
     let cell = |other: &Curve| {
         if other.method == curve.method {
             return RatioCell { value: String::new(), interval: String::new(), class: "self" };
@@ -99,12 +99,12 @@ pub fn ratio_line(curve: &Curve, curves: &[Curve]) -> RatioLine {
 }
 
 /// An interval in words; empty if unknown.
-pub fn interval(interval: Option<(f64, f64)>) -> String {
+pub(super) fn interval(interval: Option<(f64, f64)>) -> String {
     interval.map_or_else(String::new, |(low, high)| format!("{} – {}", significant(low), significant(high)))
 }
 
 /// The style of a ratio.
-pub fn class(ratio: &Estimate) -> &'static str {
+pub(super) fn class(ratio: &Estimate) -> &'static str {
     match ratio.verdict() {
         Verdict::Less => "less",
         Verdict::Greater => "greater",
@@ -113,13 +113,13 @@ pub fn class(ratio: &Estimate) -> &'static str {
 }
 
 /// Names of the mutations that any method has.
-pub fn mutations(curves: &[Curve]) -> Vec<String> {
+pub(super) fn mutations(curves: &[Curve]) -> Vec<String> {
     let names = curves.iter().flat_map(|curve| &curve.last().rows).flat_map(|row| row.mutation_acceptance.keys());
     names.cloned().collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// Share accepted of all proposals and of each mutation's, of methods that have any.
-pub fn acceptance(curves: &[Curve], mutations: &[String]) -> Vec<Line> {
+pub(super) fn acceptance(curves: &[Curve], mutations: &[String]) -> Vec<Line> {
     let percent = |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), |rate| format!("{:.1} %", 100.0 * rate));
     let of = |curve: &Curve| {
         let last = curve.last();

@@ -62,7 +62,7 @@ impl From<Segment> for Ray {
 macro_rules! query {
     ($query:ident -> $answer:ty, $walk:ident, $scaled:ident, $portable:ident, $avx2:ident) => {
         #[inline(always)]
-        pub fn $query<const COARSE: bool>(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> $answer {
+        pub(super) fn $query<const COARSE: bool>(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> $answer {
             let Ray { origin: o, direction: d, t_max } = *ray;
             match instructions {
                 InstructionSet::Portable(simd) => $portable::<COARSE>(simd, tree, o.x, o.y, o.z, d.x, d.y, d.z, t_max),

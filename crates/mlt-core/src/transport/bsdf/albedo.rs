@@ -29,19 +29,19 @@ fn cosine(alpha: f32, x: f32) -> f32 {
 
 /// The node below `x` ∈ [0, 1] among `count` equidistant ones, not the last, and how far x is on the way to the next.
 #[inline]
-pub fn bracket(x: f32, count: usize) -> (usize, f32) {
+pub(super) fn bracket(x: f32, count: usize) -> (usize, f32) {
     let position = x * (count - 1) as f32;
     let node = (position as usize).min(count - 2);
     (node, position - node as f32)
 }
 
 #[inline]
-pub fn lerp(a: f32, b: f32, t: f32) -> f32 {
+pub(super) fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + t * (b - a)
 }
 
 /// ∫₀¹ g(μ) 2μ dμ by the trapezium rule in μ², between points that are equidistant in √μ.
-pub fn cosine_average<const N: usize>(g: impl Fn(f32) -> [f32; N]) -> [f32; N] {
+pub(super) fn cosine_average<const N: usize>(g: impl Fn(f32) -> [f32; N]) -> [f32; N] {
     const STEPS: u16 = 128;
     let mut sum = [0.0; N];
     let (mut below, mut at_below) = (0.0, g(0.0));
@@ -56,7 +56,7 @@ pub fn cosine_average<const N: usize>(g: impl Fn(f32) -> [f32; N]) -> [f32; N] {
 }
 
 /// Mean of `g` over the microfacet normals that the direction `v` about n = z sees, weighted by D_v.
-pub fn visible_average(ggx: Ggx, v: Vec3A, g: impl Fn(Vec3A) -> f32) -> f32 {
+pub(super) fn visible_average(ggx: Ggx, v: Vec3A, g: impl Fn(Vec3A) -> f32) -> f32 {
     lattice_average([987, 1597], |u| ggx.sample_normal(Vec3A::Z, v, u).map_or(0.0, &g))
 }
 
@@ -70,13 +70,13 @@ fn lattice_average([step, count]: [u32; 2], g: impl Fn([f32; 2]) -> f32) -> f32 
 }
 
 /// A direction at μ = cosθ about z.
-pub fn at_cosine(cos: f32) -> Vec3A {
+pub(super) fn at_cosine(cos: f32) -> Vec3A {
     Vec3A::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos)
 }
 
 /// Terms of the albedo of one scattering by microfacets with f = D G₂/(4 cosθₗ cosθₑ), for light along a direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Lacking {
+pub(super) struct Lacking {
     /// m = 1 - ∫ f cosθ dω.
     pub white: f32,
     /// B = ∫ f (1 - h·l)⁵ cosθ dω, the part of Schlick's F that goes with F₉₀ - F₀.
@@ -86,14 +86,14 @@ pub struct Lacking {
 impl Lacking {
     /// Linear interpolation.
     #[inline]
-    pub fn towards(self, end: Self, t: f32) -> Self {
+    pub(super) fn towards(self, end: Self, t: f32) -> Self {
         Self { white: lerp(self.white, end.white, t), grazing: lerp(self.grazing, end.grazing, t) }
     }
 }
 
 /// Directional albedo of microfacets that reflect, from tables.
 #[derive(Clone, Copy, Debug)]
-pub struct Albedo {
+pub(super) struct Albedo {
     alpha: f32,
     row: usize,
     /// Of the next row, ∈ [0, 1].
@@ -102,14 +102,14 @@ pub struct Albedo {
 
 impl Albedo {
     /// Of these microfacets.
-    pub fn new(ggx: Ggx) -> Self {
+    pub(super) fn new(ggx: Ggx) -> Self {
         let (row, share) = bracket(ggx.alpha.sqrt(), ROWS);
         Self { alpha: ggx.alpha, row, share }
     }
 
     /// At μ = `cos`.
     #[inline]
-    pub fn at(self, cos: f32) -> Lacking {
+    pub(super) fn at(self, cos: f32) -> Lacking {
         let x = abscissa(self.alpha, cos);
         let (column, t) = bracket(x, COLUMNS);
         let read = |table: &[[f32; COLUMNS]; ROWS]| {
@@ -124,7 +124,7 @@ impl Albedo {
     }
 
     /// ∫₀¹ · 2μ dμ of both.
-    pub fn average(self) -> Lacking {
+    pub(super) fn average(self) -> Lacking {
         let at = |cos| {
             let lacking = self.at(cos);
             [lacking.white, lacking.grazing]
@@ -136,7 +136,7 @@ impl Albedo {
 
 /// m(μ) of microfacets that do more than reflect, at one α, over x of √α: fine enough at the critical angle, too.
 #[derive(Clone, Copy, Debug)]
-pub struct Curve {
+pub(super) struct Curve {
     roughness: f32,
     /// √m.
     nodes: [f32; COLUMNS],
@@ -144,7 +144,7 @@ pub struct Curve {
 
 impl Curve {
     /// m = 1 - `albedo`(μ), but never below 0.
-    pub fn new(ggx: Ggx, albedo: impl Fn(f32) -> f32) -> Self {
+    pub(super) fn new(ggx: Ggx, albedo: impl Fn(f32) -> f32) -> Self {
         let roughness = ggx.alpha.sqrt();
         let cos = |i| cosine(roughness, i as f32 / (COLUMNS - 1) as f32).max(2.0 * microfacet::GRAZING);
         let node = |i| (1.0 - albedo(cos(i))).max(0.0).sqrt();
@@ -152,20 +152,20 @@ impl Curve {
     }
 
     /// The curve of these microfacets between two others of the same interface: √m is interpolated at each x.
-    pub fn between(ggx: Ggx, [a, b]: [&Self; 2], t: f32) -> Self {
+    pub(super) fn between(ggx: Ggx, [a, b]: [&Self; 2], t: f32) -> Self {
         Self { roughness: ggx.alpha.sqrt(), nodes: std::array::from_fn(|i| lerp(a.nodes[i], b.nodes[i], t)) }
     }
 
     /// m(μ).
     #[inline]
-    pub fn at(&self, cos: f32) -> f32 {
+    pub(super) fn at(&self, cos: f32) -> f32 {
         let (column, t) = bracket(abscissa(self.roughness, cos), COLUMNS);
         let root = lerp(self.nodes[column], self.nodes[column + 1], t);
         root * root
     }
 
     /// m̄.
-    pub fn average(&self) -> f32 {
+    pub(super) fn average(&self) -> f32 {
         cosine_average(|cos| [self.at(cos)])[0]
     }
 }

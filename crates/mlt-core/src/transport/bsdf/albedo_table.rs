@@ -3,13 +3,13 @@
 #![expect(clippy::approx_constant, reason = "0.318 and 3.141 are what quadrature finds")]
 
 /// Nodes along x(μ), from 0 to 1.
-pub const COLUMNS: usize = 32;
+pub(super) const COLUMNS: usize = 32;
 
 /// Nodes along the roughness √α, from 0 to 1.
-pub const ROWS: usize = 32;
+pub(super) const ROWS: usize = 32;
 
 /// √m(μ)/(1 - x + α), with m = 1 - E.
-pub static LACKING: [[f32; COLUMNS]; ROWS] = [
+pub(super) static LACKING: [[f32; COLUMNS]; ROWS] = [
     [
         0.020, 0.021, 0.032, 0.049, 0.068, 0.089, 0.112, 0.136, 0.163, 0.193, 0.226, 0.262, 0.303, 0.349, 0.400, 0.458,
         0.524, 0.598, 0.681, 0.775, 0.881, 0.999, 1.129, 1.268, 1.412, 1.552, 1.673, 1.750, 1.760, 1.687, 1.546, 0.000,
@@ -141,7 +141,7 @@ pub static LACKING: [[f32; COLUMNS]; ROWS] = [
 ];
 
 /// (B(μ) - E(μ) (1 - μ)⁵)/α, with B = ∫ f (1 - h·l)⁵ cosθ dω.
-pub static BENT: [[f32; COLUMNS]; ROWS] = [
+pub(super) static BENT: [[f32; COLUMNS]; ROWS] = [
     [
         -27.386, -27.386, -27.336, -27.215, -27.044, -26.823, -26.548, -26.220, -25.835, -25.391, -24.884, -24.312,
         -23.672, -22.959, -22.172, -21.305, -20.359, -19.331, -18.222, -17.037, -15.779, -14.460, -13.090, -11.682,

@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_1_PI;
 ///
 /// Beyond the angles at which the surface shadows itself, cosθ ≈ α, what is scattered twice falls like 1/cos²θ.
 #[derive(Clone, Copy, Debug)]
-pub struct Spread {
+pub(super) struct Spread {
     alpha2: f32,
     /// ln(1 + 1/α²).
     log: f32,
@@ -19,7 +19,7 @@ pub struct Spread {
 
 impl Spread {
     /// For these microfacets.
-    pub fn new(ggx: Ggx) -> Self {
+    pub(super) fn new(ggx: Ggx) -> Self {
         let alpha2 = ggx.alpha * ggx.alpha;
         let log = libm::log1pf(1.0 / alpha2);
         Self { alpha2, log, scale: FRAC_1_PI / log }
@@ -27,13 +27,13 @@ impl Spread {
 
     /// q.
     #[inline]
-    pub fn pdf(self, cos: f32) -> f32 {
+    pub(super) fn pdf(self, cos: f32) -> f32 {
         self.scale * cos / (cos * cos + self.alpha2)
     }
 
     /// A direction on the side of `n`; cos²θ = α² ((1 + 1/α²)ᵘ - 1).
     #[inline]
-    pub fn sample(self, n: Vec3A, u: [f32; 2]) -> Vec3A {
+    pub(super) fn sample(self, n: Vec3A, u: [f32; 2]) -> Vec3A {
         let cos2 = (self.alpha2 * libm::expm1f(u[0] * self.log)).min(1.0);
         let (sin, cos) = ((1.0 - cos2).sqrt(), cos2.sqrt());
         let (s, t) = frame(n);

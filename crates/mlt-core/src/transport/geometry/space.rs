@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 /// Radiance does not change under either. The scene is moved only if it, or most of it, lies far from the origin for its size:
 /// near the origin the author's coordinates are already as fine as they can be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Space {
+pub(crate) struct Space {
     origin: DVec3,
     scale: f64,
     /// Radius of a sphere around the scene, in these coordinates.

@@ -53,12 +53,12 @@ pub(crate) struct Imbalance {
 }
 
 impl Imbalance {
-    pub fn assert_balanced(&self, name: &str) {
+    pub(crate) fn assert_balanced(&self, name: &str) {
         let Self { z, limit, pair, tests } = self;
         assert!(*tests > 10 && z < limit, "{name}: z = {z:.2}, limit {limit:.2}, at {pair:?} of {tests}");
     }
 
-    pub fn assert_detected(&self, name: &str) {
+    pub(crate) fn assert_detected(&self, name: &str) {
         assert!(self.z > self.limit, "{name}, an error that has to be seen: z = {}, limit {}", self.z, self.limit);
     }
 }

@@ -17,7 +17,7 @@ pub(crate) struct World {
 }
 
 impl World {
-    pub fn view(&self) -> View<'_> {
+    pub(crate) fn view(&self) -> View<'_> {
         View { scene: &self.scene, camera: &self.camera }
     }
 }
@@ -28,39 +28,39 @@ pub(crate) struct Builder(SceneDescription);
 
 impl Builder {
     /// A surface that only scatters.
-    pub fn surface(self, mesh: Mesh, bsdf: Bsdf) -> Self {
+    pub(crate) fn surface(self, mesh: Mesh, bsdf: Bsdf) -> Self {
         self.mesh(mesh, Material { bsdf, ..Material::default() })
     }
 
     /// A surface that only emits.
-    pub fn light(self, mesh: Mesh, emission: Rgb, emits_both_sides: bool) -> Self {
+    pub(crate) fn light(self, mesh: Mesh, emission: Rgb, emits_both_sides: bool) -> Self {
         self.mesh(mesh, Material { emission, emits_both_sides, ..Material::default() })
     }
 
-    pub fn with_textures(mut self, textures: Vec<Texture>) -> Self {
+    pub(crate) fn with_textures(mut self, textures: Vec<Texture>) -> Self {
         self.0.textures = textures;
         self
     }
 
-    pub fn mesh(mut self, mesh: Mesh, material: Material) -> Self {
+    pub(crate) fn mesh(mut self, mesh: Mesh, material: Material) -> Self {
         self.0.meshes.push(Mesh { material: self.0.materials.len() as u32, ..mesh });
         self.0.materials.push(material);
         self
     }
 
     /// Under light from all around.
-    pub fn under(mut self, environment: Environment) -> Self {
+    pub(crate) fn under(mut self, environment: Environment) -> Self {
         self.0.environment = Some(environment);
         self
     }
 
     /// Seen from `from` towards `to`.
-    pub fn seen(self, from: DVec3, to: DVec3, fov: f32, size: [u32; 2]) -> World {
+    pub(crate) fn seen(self, from: DVec3, to: DVec3, fov: f32, size: [u32; 2]) -> World {
         self.seen_through(Lens::Pinhole { vertical_fov: fov.to_radians() }, [from, to], size)
     }
 
     /// Seen from the first point towards the second.
-    pub fn seen_through(self, lens: Lens, [from, to]: [DVec3; 2], size: [u32; 2]) -> World {
+    pub(crate) fn seen_through(self, lens: Lens, [from, to]: [DVec3; 2], size: [u32; 2]) -> World {
         let forward = (to - from).as_vec3().normalize();
         let side = forward.cross(if forward.y.abs() < 0.9 { Vec3::Y } else { Vec3::NEG_Z }).normalize();
         let pose = CameraPose {

@@ -50,7 +50,7 @@ enum Filter {
 
 impl Compressed {
     /// What the extension says of a buffer view; `None`: nothing that is known.
-    pub fn read(extension: &Value) -> Option<Self> {
+    pub(super) fn read(extension: &Value) -> Option<Self> {
         let number = |name: &str| usize::try_from(extension.get(name)?.as_u64()?).ok();
         let (stride, count) = (number("byteStride")?, number("count")?);
         let mode = match extension.get("mode")?.as_str()? {
@@ -72,12 +72,12 @@ impl Compressed {
     }
 
     /// Bytes of all elements; `None`: more than can be counted.
-    pub fn size(&self) -> Option<usize> {
+    pub(super) fn size(&self) -> Option<usize> {
         self.stride.checked_mul(self.count)
     }
 
     /// The elements; `None`: the bytes are not such as a compressor writes.
-    pub fn decode(&self, bytes: &[u8]) -> Option<Vec<u8>> {
+    pub(super) fn decode(&self, bytes: &[u8]) -> Option<Vec<u8>> {
         let mut elements = match self.mode {
             Mode::Attributes => attributes::decode(bytes, self.stride, self.count)?,
             Mode::Triangles => self.packed(&indices::triangles(bytes, self.count / 3)?),

@@ -25,7 +25,7 @@ pub(super) struct Orthographic {
 
 impl Orthographic {
     /// For images of a ratio of width to height; `axes`: its unit vectors forward and up.
-    pub fn new(position: Vec3, [forward, up]: [Vec3; 2], height: f32, aspect: [f32; 2]) -> Self {
+    pub(super) fn new(position: Vec3, [forward, up]: [Vec3; 2], height: f32, aspect: [f32; 2]) -> Self {
         let half_height = 0.5 * height;
         let half_width = half_height * aspect[0] / aspect[1];
         let right = Vec3A::from(half_width * forward.cross(up));
@@ -42,7 +42,7 @@ impl Orthographic {
 
     /// The ray through a film point.
     #[inline]
-    pub fn sample(&self, film: Vec2) -> CameraRay {
+    pub(super) fn sample(&self, film: Vec2) -> CameraRay {
         let p = 2.0 * film - Vec2::ONE;
         let forward = self.vertex.geometric_normal;
         let start = self.vertex.position + p.x * self.right + p.y * self.down;
@@ -51,7 +51,7 @@ impl Orthographic {
 
     /// The film point that a point is seen at, and its depth; negative for a direction, which is seen everywhere or nowhere.
     #[inline]
-    pub fn project(&self, seen: &Vertex) -> (Vec2, f32) {
+    pub(super) fn project(&self, seen: &Vertex) -> (Vec2, f32) {
         if seen.is_distant() {
             return (Vec2::ZERO, -1.0);
         }

@@ -23,7 +23,7 @@ pub(super) struct Pinhole {
 
 impl Pinhole {
     /// For images of a ratio of width to height; `axes`: its unit vectors forward and up.
-    pub fn new(position: Vec3, [forward, up]: [Vec3; 2], vertical_fov: f32, aspect: [f32; 2]) -> Self {
+    pub(super) fn new(position: Vec3, [forward, up]: [Vec3; 2], vertical_fov: f32, aspect: [f32; 2]) -> Self {
         let half_height = libm::tanf(0.5 * vertical_fov);
         let half_width = half_height * aspect[0] / aspect[1];
         let right = Vec3A::from(half_width * forward.cross(up));
@@ -42,14 +42,14 @@ impl Pinhole {
 
     /// The ray through a film point.
     #[inline(always)]
-    pub fn sample(&self, film: Vec2) -> CameraRay {
+    pub(super) fn sample(&self, film: Vec2) -> CameraRay {
         let p = 2.0 * film - Vec2::ONE;
         CameraRay { origin: self.origin, step: self.vertex.geometric_normal + p.x * self.right + p.y * self.down }
     }
 
     /// The film point that a direction passes through, and the cosine of its angle with the viewing direction.
     #[inline(always)]
-    pub fn project(&self, direction: Vec3A) -> (Vec2, f32) {
+    pub(super) fn project(&self, direction: Vec3A) -> (Vec2, f32) {
         let cos = self.vertex.geometric_normal.dot(direction);
         (Vec2::new(direction.dot(self.across), direction.dot(self.along)) / cos + 0.5, cos)
     }
@@ -58,14 +58,14 @@ impl Pinhole {
     ///
     /// Source: [PharrJakobHumphreys16], section 16.1.1.
     #[inline(always)]
-    pub fn w_e(&self, direction: Vec3A) -> f32 {
+    pub(super) fn w_e(&self, direction: Vec3A) -> f32 {
         let cos = self.vertex.geometric_normal.dot(direction);
         1.0 / (self.area * cos * cos * cos * cos)
     }
 
     /// 1/(A cos³θ), sr⁻¹.
     #[inline(always)]
-    pub fn pdf(&self, direction: Vec3A) -> f32 {
+    pub(super) fn pdf(&self, direction: Vec3A) -> f32 {
         let cos = self.vertex.geometric_normal.dot(direction);
         1.0 / (self.area * cos * cos * cos)
     }

@@ -27,14 +27,14 @@ pub(super) struct ThinLens {
 
 impl ThinLens {
     /// A disc about a pinhole.
-    pub fn new(centre: Pinhole, radius: f32, focus: f32) -> Self {
+    pub(super) fn new(centre: Pinhole, radius: f32, focus: f32) -> Self {
         let axes = [centre.across, centre.along].map(Vec3A::normalize);
         Self { centre, axes, radius, focus }
     }
 
     /// The vertex at a uniform point of the disc.
     #[inline]
-    pub fn vertex(&self, u: Vec2) -> Vertex {
+    pub(super) fn vertex(&self, u: Vec2) -> Vertex {
         self.at(square_to_disk(u).0)
     }
 
@@ -47,7 +47,7 @@ impl ThinLens {
     }
 
     /// The vertex moved on the disc, whose radius is the unit; `None` beyond its rim.
-    pub fn moved(&self, lens: &Vertex, by: Vec2) -> Option<Vertex> {
+    pub(super) fn moved(&self, lens: &Vertex, by: Vec2) -> Option<Vertex> {
         let offset = self.offset(lens);
         let p = Vec2::from(self.axes.map(|axis| offset.dot(axis) / self.radius)) + by;
         (p.length_squared() < 1.0).then(|| self.at(p))
@@ -60,7 +60,7 @@ impl ThinLens {
 
     /// The ray from a point of the disc through a film point.
     #[inline]
-    pub fn sample(&self, film: Vec2, lens: &Vertex) -> CameraRay {
+    pub(super) fn sample(&self, film: Vec2, lens: &Vertex) -> CameraRay {
         let step = self.centre.sample(film).step - self.offset(lens) / self.focus;
         CameraRay { origin: lens.origin(step), step }
     }
@@ -68,14 +68,14 @@ impl ThinLens {
     /// The film point that a direction from a point of the disc passes through, and the cosine of its angle with the viewing
     /// direction.
     #[inline]
-    pub fn project(&self, lens: &Vertex, direction: Vec3A) -> (Vec2, f32) {
+    pub(super) fn project(&self, lens: &Vertex, direction: Vec3A) -> (Vec2, f32) {
         let (film, cos) = self.centre.project(direction);
         let shift = self.offset(lens) / self.focus;
         (film + Vec2::new(shift.dot(self.centre.across), shift.dot(self.centre.along)), cos)
     }
 
     /// Area that the rays through one film point take up at a depth.
-    pub fn blur(&self, depth: f32) -> f32 {
+    pub(super) fn blur(&self, depth: f32) -> f32 {
         let radius = self.radius * (1.0 - depth / self.focus);
         PI * radius * radius
     }
