@@ -20,11 +20,20 @@ pub struct EnvironmentOptions {
     #[arg(long, value_name = "DEGREES", value_parser = finite, allow_hyphen_values = true, help_heading = "Scene")]
     pub environment_rotation: Option<f64>,
     /// Factor of its radiance
-    #[arg(long, value_name = "FACTOR", value_parser = not_negative, help_heading = "Scene")]
+    #[arg(long, value_name = "FACTOR", value_parser = factor, help_heading = "Scene")]
     pub environment_strength: Option<f64>,
     /// What the camera sees where no surface is: the environment, or nothing. It lights the scene in any case
     #[arg(long, value_enum, help_heading = "Scene")]
     pub background: Option<Background>,
+}
+
+/// Largest radiance, and factor of it: products of a few stay finite in f32.
+const MOST: f64 = 1e30;
+
+/// A factor of radiance.
+fn factor(text: &str) -> Result<f64, String> {
+    let factor = not_negative(text)?;
+    if factor <= MOST { Ok(factor) } else { Err(format!("give a number that is at most {MOST:e}")) }
 }
 
 /// What the camera sees behind all surfaces.
@@ -67,8 +76,8 @@ impl FromStr for Source {
             (_, Some("hdr" | "exr")) => EnvironmentSource::Image(path),
             _ => {
                 let radiance = point(text).map_err(|_| HELP)?;
-                if radiance.iter().any(|&x| x < 0.0 || x > f64::from(f32::MAX)) {
-                    return Err("radiance is not negative, as in 1,1,1".into());
+                if radiance.iter().any(|x| !(0.0..=MOST).contains(x)) {
+                    return Err(format!("radiance is not negative and at most {MOST:e}, as in 1,1,1"));
                 }
                 EnvironmentSource::Constant(Rgb::from_array(radiance.map(|x| x as f32)))
             }
@@ -107,5 +116,7 @@ mod tests {
         for bad in ["", "Sky", "dawn", "photo.jpg", "1,1", "-1,0,0", "1,nan,1", "1e300,0,0", "1,1,1,1"] {
             assert!(bad.parse::<Source>().is_err(), "{bad}");
         }
+        assert_eq!(factor("1e30"), Ok(1e30));
+        assert!(factor("1e31").is_err() && factor("-1").is_err());
     }
 }
