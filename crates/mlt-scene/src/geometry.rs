@@ -6,7 +6,7 @@ use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::scene::Scene;
 use std::collections::HashSet;
 
-/// What vertices carry besides positions and normals, by their numbers in the file.
+/// Attributes of vertices besides positions and normals, by their numbers in the file.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Attributes<'a> {
     /// Texture coordinates of two sets.
@@ -76,7 +76,7 @@ pub(crate) struct RawMesh<'a, P, N> {
     pub position: P,
     /// World normal of a vertex, of any length; `None`: flat.
     pub normal: Option<N>,
-    /// What textures need.
+    /// Attributes that textures need.
     pub attributes: Attributes<'a>,
 }
 

@@ -8,7 +8,7 @@ use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::scene::{Material, SceneDescription};
 use std::collections::HashMap;
 
-/// What transmissive surfaces are taken for, where a file does not say that they bound a volume.
+/// How to take surfaces that transmit light, where a file does not say that they bound a volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Glass {
     /// Solids where their meshes are closed, else thin walls.

@@ -7,7 +7,7 @@ const LISTED: usize = 8;
 /// Similarity (1 − edits over letters) from which one name may have been meant for another.
 const SIMILAR: f64 = 0.6;
 
-/// What to say to someone who asked for `name` where only `names` are: the one that was meant, and those that there are.
+/// An answer to someone who asked for `name` where only `names` are: the one that was meant, and those that there are.
 pub fn instead_of(name: &str, names: &[&str]) -> String {
     if names.is_empty() {
         return "it has none with a name".to_owned();

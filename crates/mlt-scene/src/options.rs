@@ -10,7 +10,7 @@ pub struct LoadOptions {
     pub scene: Option<String>,
     /// Time in a glTF file's animations, s; `None`: as it stands without them.
     pub time_in_animation: Option<f64>,
-    /// What transmissive surfaces of a glTF file are taken for.
+    /// How to take surfaces of a glTF file that transmit light.
     pub glass: Glass,
     /// Light from all around.
     pub environment: EnvironmentOptions,
@@ -19,7 +19,7 @@ pub struct LoadOptions {
     pub light_units: Option<LightUnits>,
 }
 
-/// What the numbers of point, spot and directional lights in a glTF file mean, beside the radiance of its emissive materials.
+/// Units of point, spot and directional lights in a glTF file, beside the radiance of its emissive materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightUnits {
     /// Candela and lux for Blender's watts, at 683 lm/W: radiance in W/(sr m²), as Blender's own is.

@@ -22,7 +22,7 @@ pub struct EnvironmentOptions {
     /// Factor of its radiance
     #[arg(long, value_name = "FACTOR", value_parser = factor, help_heading = "Scene")]
     pub environment_strength: Option<f64>,
-    /// What the camera sees where no surface is: the environment, or nothing. It lights the scene in any case
+    /// Whether the camera sees the environment where no surface is. It lights the scene in either case
     #[arg(long, value_enum, help_heading = "Scene")]
     pub background: Option<Background>,
 }
@@ -36,7 +36,7 @@ fn factor(text: &str) -> Result<f64, String> {
     if factor <= MOST { Ok(factor) } else { Err(format!("give a number that is at most {MOST:e}")) }
 }
 
-/// What the camera sees behind all surfaces.
+/// The background of the image, behind all surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Background {

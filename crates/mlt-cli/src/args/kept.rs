@@ -1,4 +1,4 @@
-//! What of a render outlives its process.
+//! Options for renders that outlive their process.
 
 use std::{
     fmt,
@@ -15,7 +15,7 @@ use super::values::duration;
 /// Most parts of a render.
 const MOST_SHARDS: u64 = 1_000_000_000;
 
-/// What of a render outlives its process.
+/// Files that keep the rounds of a render.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub struct KeptOptions {
     /// Write the rounds that are done to FILE now and then, and at the end: --resume goes on from there

@@ -76,7 +76,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "N", default_value_t = 0, requires = "rounds", help_heading = "Budget")]
     #[arg(value_parser = clap::value_parser!(u64).range(..=MAX_ROUNDS))]
     pub first_round: u64,
-    /// What outlives the process.
+    /// Files that outlive the process.
     #[command(flatten)]
     pub keeping: KeptOptions,
     /// Threads; all processors if not given. The image does not depend on it

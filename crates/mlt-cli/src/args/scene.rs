@@ -12,7 +12,7 @@ use super::{
     written::{words, written},
 };
 
-/// What transmissive surfaces are taken for.
+/// How to take surfaces that transmit light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum GlassKind {
@@ -35,7 +35,7 @@ impl From<GlassKind> for Glass {
     }
 }
 
-/// What the numbers of lights mean.
+/// Units of lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum LightUnits {
@@ -78,7 +78,7 @@ pub struct SceneOptions {
     /// Time in a glTF file's animations, in seconds; without it the file is shown as it stands at rest
     #[arg(long, value_name = "SECONDS", value_parser = moment, help_heading = "Scene")]
     pub time_in_animation: Option<f64>,
-    /// What the numbers of point, spot and directional lights in a glTF file mean; Blender's if that wrote the file, else photometric
+    /// Units of point, spot and directional lights in a glTF file; those of the program that wrote it, photometric ones if that is not Blender
     #[arg(long, value_enum, value_name = "UNITS", help_heading = "Scene")]
     pub light_units: Option<LightUnits>,
     /// Light from all around.

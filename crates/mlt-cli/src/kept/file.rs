@@ -40,7 +40,7 @@ fn pack(bytes: &[u8]) -> anyhow::Result<Vec<u8>> {
     encoder.write_all(bytes).and_then(|()| Ok(encoder.finish()?)).context("cannot pack the sums")
 }
 
-/// What was packed, if it has this length.
+/// Unpacks bytes; `None` unless they have this length.
 fn unpack(bytes: &[u8], length: u64) -> anyhow::Result<Vec<u8>> {
     require_memory(length.saturating_mul(2), "what it holds")?;
     let mut unpacked = Vec::new();

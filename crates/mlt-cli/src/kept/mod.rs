@@ -105,7 +105,7 @@ impl Kept {
     }
 }
 
-/// What to do about rounds that are not of a render.
+/// A remedy for rounds that are not of a render.
 const REMEDY: &str = "resume with the same --shard and --first-round, and no smaller budget";
 
 /// Numbers of rounds for reading.

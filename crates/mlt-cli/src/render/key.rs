@@ -1,4 +1,4 @@
-//! What decides the bits of a render's rounds, and the options that give them again.
+//! The key of a render: everything that decides the bits of its rounds, and the options that give them again.
 
 use mlt_core::engine::Key;
 

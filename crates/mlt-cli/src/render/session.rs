@@ -108,7 +108,7 @@ struct Session<'a> {
     start: Instant,
     /// Processor time before it, s.
     cpu: Option<f64>,
-    /// What its rounds have taken in earlier processes.
+    /// Time that its rounds have taken in earlier processes.
     before: Spent,
     /// How many these are.
     held: u64,
@@ -121,7 +121,7 @@ impl Session<'_> {
         made * self.per_pixel * f64::from(self.setup.camera.pixels()) / self.start.elapsed().as_secs_f64()
     }
 
-    /// What the rounds have taken so far.
+    /// Time that the rounds have taken so far.
     fn spent(&self) -> Spent {
         let processors = cpu_seconds().zip(self.cpu).map(|(now, then)| Duration::from_secs_f64((now - then).max(0.0)));
         Spent { clock: self.start.elapsed(), processors }.and(self.before)

@@ -202,7 +202,7 @@ fn run_failure(message: String) -> Failure {
     Failure::Run(anyhow::anyhow!(message))
 }
 
-/// What gives light.
+/// A source of light.
 #[derive(Clone, Copy, PartialEq)]
 enum Emitter {
     /// The material of this number, where a mesh has it.

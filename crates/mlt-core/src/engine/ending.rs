@@ -11,7 +11,7 @@ const UNKNOWN_ROUNDS: u64 = 64;
 /// Shares of the rounds that fit the time left which are begun together, at first and later: their time is known ever better.
 const IN_FLIGHT: [f64; 2] = [0.25, 0.5];
 
-/// What a render may take; what is `None` has no limit. The first limit that is reached ends it.
+/// Limits of a render; `None` is no limit. The first one that is reached ends it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
     /// Rounds that its sums hold in the end.

@@ -74,7 +74,7 @@ impl<const C: usize> Film<C> {
         self.weight
     }
 
-    /// What each of them gave to the blocks of the film.
+    /// Contribution of each of them to the blocks of the film.
     pub fn blocks(&self) -> &Blocks<C> {
         &self.blocks
     }

@@ -239,7 +239,7 @@ fn colour(source: &gltf::Material, extension: &str, name: &str) -> Rgb {
 
 /// σ of KHR_materials_volume: of what goes as far as attenuationDistance, attenuationColor is left.
 fn absorption(source: &gltf::Material) -> Rgb {
-    /// What is left of a channel at least, so that σ is finite.
+    /// Least share that is left of a channel, so that σ is finite.
     const LEAST: f32 = 1e-6;
     let transmits = source.transmission().is_some_and(|t| t.transmission_factor() > 0.0);
     let Some(volume) = source.volume().filter(|_| transmits) else { return Rgb::ZERO };

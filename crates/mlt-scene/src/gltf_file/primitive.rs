@@ -16,7 +16,7 @@ use gltf::{Accessor, Node, Primitive, Semantic, mesh::Mode};
 use mlt_core::transport::geometry::Mesh;
 use std::rc::Rc;
 
-/// What a primitive's vertices carry for its material's textures.
+/// Attributes of a primitive's vertices that its material's textures need.
 #[derive(Default)]
 struct TextureData<'a> {
     uv: [Option<Rc<Vectors<'a>>>; 2],

@@ -19,7 +19,7 @@ pub(super) fn grey(coloured: bool) -> Material {
     Material { name: "grey".to_owned(), ..Material::default() }.scattering(diffuse(base), maps, Alpha::Opaque)
 }
 
-/// What a material's textures are made from.
+/// Sources of a material's textures.
 pub(super) struct Textures<'a> {
     pub statements: &'a Statements<'a>,
     pub images: &'a mut Images,

@@ -105,7 +105,7 @@ pub(super) struct Reduced {
     has_curves: bool,
 }
 
-/// What vertices keep besides positions and normals.
+/// Attributes that vertices keep besides positions and normals.
 #[derive(Clone, Copy)]
 struct Kept {
     colours: bool,

@@ -27,7 +27,7 @@ pub(super) struct Statement {
 }
 
 impl Statement {
-    /// What follows a keyword; `None`: it names no file.
+    /// Reads what follows a keyword; `None`: it names no file.
     pub(super) fn parse(rest: &str) -> Option<Self> {
         let (mut scale, mut offset) = (Vec2::ONE, Vec2::ZERO);
         let mut statement = Self {

@@ -49,7 +49,7 @@ enum Filter {
 }
 
 impl Compressed {
-    /// What the extension says of a buffer view; `None`: nothing that is known.
+    /// Reads the extension of a buffer view; `None`: it says nothing that is known.
     pub(super) fn read(extension: &Value) -> Option<Self> {
         let number = |name: &str| usize::try_from(extension.get(name)?.as_u64()?).ok();
         let (stride, count) = (number("byteStride")?, number("count")?);
