@@ -1,6 +1,7 @@
 //! The format of kept sums.
 //!
-//! magic (8 bytes), version (4), length of the header (8), header (JSON), length of the sums (8), length of the packed sums (8), these (an LZ4 frame), BLAKE3 of all before
+//! magic (8 bytes), version (4), length of the header (8), header (JSON), length of the sums (8), length of the packed
+//! sums (8), packed sums (an LZ4 frame), BLAKE3 of all before
 //! (32); numbers are little-endian. The checksum tells damage; it is no protection against intent.
 
 use std::{

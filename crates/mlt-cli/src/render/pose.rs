@@ -8,6 +8,7 @@ use crate::{Failure, args::render::RenderOptions, report::CameraUsed};
 
 /// Opening angle where none is given, degrees.
 const USUAL_FOV: f32 = 40.0;
+
 /// The camera, and what the report says of it; `framed`: the camera for a scene that has none.
 pub(super) fn pose(
     options: &RenderOptions,

@@ -25,8 +25,10 @@ pub(super) fn trust(film: &Film<3>, counts: &Counts, blocks: &Blocks, size: [u32
     }
 }
 
-/// Share of Σ v/(l² + (l̄/10)²) in the worst hundredth of the pixels, v the variance of a pixel, l the luminance around it and l̄ the
-/// image's: an edge of a lamp is noisy, but not for its brightness, and what few paths lit is not bright around.
+/// Share of Σ v/(l² + (l̄/10)²) in the worst hundredth of the pixels: v is a pixel's variance, l the luminance around it, l̄ the image's.
+///
+/// The luminance around a pixel tells two kinds of noise apart. The edge of a lamp is noisy and bright around; a pixel that few paths lit
+/// is noisy and dark around.
 fn worst_pixels(film: &Film<3>, size: [u32; 2]) -> Option<f64> {
     let pixels: Vec<_> = (0..film.sites() as usize).into_par_iter().map(|i| luminance_and_error(film, i)).collect();
     let floor = (0.1 * mean_luminance(film).mean).powi(2);

@@ -97,7 +97,7 @@ pub fn bias(evidence: &Evidence) -> Bias {
     }
 }
 
-/// What each region gives to the image's mean, and that mean last.
+/// Contribution of each region to the image's mean, and that mean last.
 fn regions(grid: &Grid, pixel: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
     let mut regions: Vec<f64> = grid.shares(|i| [pixel(i)]).into_iter().map(|[share]| share).collect();
     regions.push(regions.iter().sum());

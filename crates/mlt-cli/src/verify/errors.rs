@@ -66,9 +66,10 @@ pub fn rel_mse(a: impl Iterator<Item = f64>, b: &[f64], level: f64) -> f64 {
     mean_of(a.zip(b).map(|(a, b)| (a - b).powi(2) / (a * a + epsilon)))
 }
 
-/// Share of the intervals b ± 1.96·√(stderr² + truth's variance) that hold a, over the pixels that are lit, of replicas that do not doubt it. Errors are those of
-/// several pixels together, so that few rounds do not make them uncertain: see
-/// [`standard_errors`](mlt_core::transport::image::standard_errors).
+/// Share of the intervals b ± 1.96·√(stderr² + truth's variance) that hold a.
+///
+/// Over the pixels that are lit, of replicas that do not doubt it. Errors are those of several pixels together, so that few
+/// rounds do not make them uncertain: see [`Film::standard_errors`](mlt_core::engine::Film::standard_errors).
 fn coverage(evidence: &Evidence, truth: &[(f64, f64)], level: f64) -> Option<f64> {
     let (mut held, mut all) = (0u64, 0u64);
     for replica in evidence.method.iter().filter(|replica| !replica.doubted) {

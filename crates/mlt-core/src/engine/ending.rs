@@ -114,8 +114,8 @@ impl<const C: usize> Ending<C> {
 
     /// Rounds to begin now that `done` are finished, all of which will count; 0: no more.
     ///
-    /// A round that is expected to end half of itself too late is as good as none. So that rounds that take longer than expected do
-    /// not end far too late, most of the time left is kept for later.
+    /// No round is begun that would have less than half of the time that it is expected to take. Rounds may take longer than
+    /// expected, so only a part of those that fit are begun at once.
     fn next(&self, done: u64, pace: Pace) -> u64 {
         let more = self.limits.rounds.map_or(u64::MAX, |rounds| rounds.saturating_sub(done));
         let Some(time) = self.limits.time else { return more };

@@ -60,7 +60,7 @@ impl Measure {
             chain_error: measured.then(|| sum(&noise)),
             chain_events: parts.iter().map(|m| m.chain_events).fold(f64::INFINITY, f64::min),
             sample_error: sum(&|m| m.sample_error),
-            // As if their samples' weights did not hang together.
+            // As if the weights of their samples were uncorrelated.
             spread: if b > 0.0 { sum(&|m| m.spread * m.b * m.b) / (b * b) } else { 0.0 },
             mutation_cost,
             sample_cost: most(|m| m.sample_cost),

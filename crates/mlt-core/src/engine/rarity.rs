@@ -53,9 +53,10 @@ impl Rarity {
         other.octaves.iter().for_each(|(&octave, states)| self.octaves.entry(octave).or_default().merge(states));
     }
 
-    /// Share of the energy in states of the largest values v that all samples together, Σ of whose weights is m b̂ = `weight_sum`,
-    /// were to show fewer than ten times. Values are rounded down, so that it is no more than that; 0 where it is told by less than
-    /// four states.
+    /// Share of the energy in the states of largest value v that all samples together were expected to show fewer than ten times.
+    ///
+    /// `weight_sum` is the sum of the samples' weights, m b̂. Values are rounded down, so the share is a lower bound. It is 0 where fewer
+    /// than four states tell it.
     pub fn unmet(&self, weight_sum: f64) -> f64 {
         let all: f64 = self.octaves.values().map(|octave| octave.energy.value()).sum();
         let (mut hits, mut unmet) = (0.0, Octave::default());

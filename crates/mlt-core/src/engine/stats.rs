@@ -70,7 +70,7 @@ pub struct StratumStats {
     pub halves: HalfChains,
     /// How often samples meet what the chains visit.
     pub rarity: Rarity,
-    /// Work of the chains, in the unit of [`Metropolis::work`](super::Metropolis::counting).
+    /// Work of the chains, in the unit of [`Metropolis::counting`](super::Metropolis::counting).
     pub chain_work: u64,
     /// Work of the independent samples, in the same unit.
     pub sample_work: u64,

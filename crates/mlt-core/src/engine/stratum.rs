@@ -18,8 +18,8 @@ pub trait Stratum<P> {
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&P, f64));
 
     /// Expected number of times that one sample shows x, relative to the measure of the weights' densities: Σ_s p_s(x) over the ways
-    /// s in which it can. What ends samples early may be left out. It tells how rare states are, and is in no estimate; infinite, as
-    /// here, says that none is.
+    /// s in which it can. Roulette may be left out. No estimate depends on it: it is there to warn of states that samples hardly ever
+    /// show. The default, infinite, warns of none.
     fn density(&self, _path: &P) -> f64 {
         f64::INFINITY
     }

@@ -144,7 +144,7 @@ impl Work for Fresh<'_> {
 
 /// The numbers of all blocks of a state, each moved a little.
 ///
-/// What a call passes through memory and reads back as one vector has to be waited for: so the law is referred to.
+/// The law is a reference: passed by value, it would be written to memory and read back as one vector, which has to wait.
 struct Moved<'a> {
     from: &'a [Block],
     to: &'a mut Vec<Block>,

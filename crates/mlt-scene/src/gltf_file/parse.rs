@@ -103,7 +103,7 @@ fn moves_a_node(channel: &Value) -> bool {
     channel.pointer("/target/node").is_some_and(Value::is_number)
 }
 
-/// The document without its animations and skins, which are counted and no more.
+/// The document without its animations and skins, for the `gltf` crate: `animation.rs` and `shape.rs` read them from the document itself.
 fn at_rest(mut document: Value) -> Value {
     for (list, none) in [("animations", json!({ "channels": [], "samplers": [] })), ("skins", json!({ "joints": [] }))]
     {
@@ -147,15 +147,17 @@ fn validate(source: &Source, root: &Root) -> Result<(), SceneError> {
     })
 }
 
-/// Whether the renderer relies on what the validator objects to. It asks of animations, skins, images and textures only
-/// whether they are there, of unknown attributes nothing, and it looks at an accessor's data, type and bounds where it reads it.
+/// Whether the renderer relies on what the validator objects to.
+///
+/// Animations, skins, images and textures are checked where they are read, and one that is broken is a warning; an accessor's data,
+/// type and bounds are, too. Of unknown attributes it asks nothing.
 fn matters(path: &str, error: Error) -> bool {
-    const UNREAD: &[&str] = &["animations", "images", "samplers", "skins", "textures"];
+    const READ_LENIENTLY: &[&str] = &["animations", "images", "samplers", "skins", "textures"];
     const CHECKED_LATER: &[&str] = &[".bufferView", ".componentType", ".type", ".min", ".max"];
-    let unread = UNREAD.iter().any(|part| path.starts_with(part)) || path.contains("<invalid semantic name>");
+    let lenient = READ_LENIENTLY.iter().any(|part| path.starts_with(part)) || path.contains("<invalid semantic name>");
     let later = path.starts_with("accessors")
         && CHECKED_LATER.iter().any(|end| path.ends_with(end))
         && error != Error::IndexOutOfBounds;
     let bounds = path.contains("[\"POSITION\"].m");
-    !(error == Error::Unsupported || unread || later || bounds)
+    !(error == Error::Unsupported || lenient || later || bounds)
 }

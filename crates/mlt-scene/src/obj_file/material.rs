@@ -148,7 +148,7 @@ fn glass(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
 /// Roughness of a lobe with Blinn's exponent.
 ///
 /// α = √(2 / (n + 2)) gives a microfacet distribution the width of Blinn's lobe with exponent n; roughness = √α.
-/// Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007.
+/// Source: [Walter07].
 pub(super) fn roughness(exponent: f32) -> f32 {
     (2.0 / (exponent + 2.0)).sqrt().sqrt()
 }

@@ -198,7 +198,7 @@ impl MetallicRoughness {
         if self.thin { Bsdf::Thin(Thin { ior, tint }) } else { Bsdf::Dielectric(Dielectric { ior, tint }) }
     }
 
-    /// What does not bend light, where nothing may be delta.
+    /// The lobe of an interface that does not bend light, where nothing may be delta.
     fn index_matched(&self, made: &impl Microsurfaces) -> Lobe {
         Lobe::RoughThin(made.wall(self.ior, self.base_color, Ggx { alpha: MIXED_ALPHA }))
     }

@@ -8,9 +8,7 @@
 //! * G₂(a, b) = 1/(1 + Λ(a) + Λ(b)), directions on one side, heights correlated
 //! * D_v(h) = G₁(v) (v·h) D(h)/cosθᵥ, the density of normals visible from v, sr⁻¹
 //!
-//! Sources: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007; Heitz, "Understanding the
-//! Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 2014. Light that meets the surface more than once:
-//! `albedo`.
+//! Sources: [Walter07], [Heitz14]. Light that meets the surface more than once: `albedo`.
 
 use super::fresnel::reflect;
 use crate::transport::geometry::math::{frame, turn};

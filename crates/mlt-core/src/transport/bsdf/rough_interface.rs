@@ -14,8 +14,7 @@ use glam::Vec3A;
 ///
 /// The medium is on the back of n, vacuum on its front; η² of the eye's side scales radiance.
 ///
-/// Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007, eqs. 20 and 21. Left out:
-/// heights correlated across the surface.
+/// Source: [Walter07], equations 20 and 21. Left out: heights correlated across the surface.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughInterface {
     /// Index of refraction of the medium over that of its surroundings, > 0; |ior - 1| > 10⁻³.

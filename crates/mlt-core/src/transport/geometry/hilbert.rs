@@ -8,7 +8,7 @@ const BITS: u32 = 16;
 
 /// Indices of `points` along a Hilbert curve through their bounds: every run of them is a compact cluster.
 ///
-/// Source: Skilling, "Programming the Hilbert curve", AIP Conference Proceedings 707, 2004.
+/// Source: [Skilling04].
 pub(crate) fn order(points: &[Vec3]) -> Vec<u32> {
     let low = points.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = points.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);

@@ -1,4 +1,4 @@
-//! A point on a surface, or on the camera.
+//! A vertex of a path: a point on a surface or on the camera, or a light without a surface.
 
 use glam::Vec3A;
 
@@ -8,7 +8,7 @@ pub const CAMERA: u32 = u32::MAX;
 /// `Vertex::primitive` of a vertex on light number i that has no surface: `LIGHT` + i. No scene has so many triangles.
 pub(crate) const LIGHT: u32 = 1 << 31;
 
-/// What a vertex's `position` is.
+/// Meaning of a vertex's `position`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Place {
@@ -49,7 +49,7 @@ pub struct Vertex {
     pub emits: bool,
     /// Whether another surface may be seen in its place: see `scene::ties`.
     pub(crate) shared: bool,
-    /// What `position` is.
+    /// Meaning of `position`.
     pub place: Place,
 }
 

@@ -28,7 +28,7 @@ pub struct LightSampler {
     cells: Vec<Pieces>,
     /// Place of each piece among the leaves, cell by cell.
     place: Vec<u32>,
-    /// What has no pieces.
+    /// Lights without pieces.
     afar: Afar,
     /// Power of the pieces.
     near_power: f64,

@@ -13,7 +13,7 @@ pub enum Stratification {
     /// Not at all: one stratum.
     #[default]
     None,
-    /// N×M cells of a rectangle; N·M parts of equal area of any other light.
+    /// N×M cells of a rectangle and of an environment; N·M parts of equal power of any other light that has a size; one of a light without.
     Grid(u32, u32),
     /// The cut through the tree of lights into so many nodes that halves the most powerful one first.
     Count(u32),

@@ -55,10 +55,11 @@ pub(crate) fn mutations_per_sample(view: View, usual: u64) -> u64 {
     (usual as f64 * growth.max(1.0)) as u64
 }
 
-/// Shares of so many mutations by power, with independent samples as their weights' spread asks for. `spread` measures it with the
-/// samples of strata with shares, as [`Metropolis::spread`](crate::engine::Metropolis::spread) does. And the work of that. Nothing if it is stopped.
+/// Shares of so many mutations by power, with as many independent samples as the spread of their weights asks for, and the work that
+/// it took to measure the spread; `None` if that was stopped.
 ///
-/// The spread of what specular surfaces make is not measured, as it lies in paths that no such measurement meets.
+/// `spread` measures it, as [`Metropolis::spread`](crate::engine::Metropolis::spread) does. It is not measured where a scene has specular
+/// surfaces: it would lie in paths that such a measurement does not meet.
 pub(crate) fn fitted_shares<P, S: Stratum<P>>(
     view: View,
     samples: Samples,

@@ -58,7 +58,7 @@ impl Edge {
         x.position.distance_squared(y.position).max(f32::MIN_POSITIVE)
     }
 
-    /// A connection of which an end is not on a surface. By value, as what is referred to has to lie in memory.
+    /// A connection of which an end is not on a surface. Takes vertices by value: a reference would keep them out of registers.
     #[cold]
     fn between_others(x: Vertex, y: Vertex) -> Option<Self> {
         if x.is_distant() | y.is_parallel() {

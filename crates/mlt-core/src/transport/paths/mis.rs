@@ -43,13 +43,13 @@ impl Ends {
         if s == 1 { self.preference } else { 1.0 }
     }
 
-    /// Density per area of x_i, drawn from the light's side.
+    /// Density per area of x_i, drawn from the light's side; of a distant x_0 per solid angle.
     #[inline]
     pub(crate) fn forward(&self, vertices: &[PathVertex], i: usize) -> f64 {
         if i == 0 { vertices[0].forward / self.power } else { vertices[i].forward }
     }
 
-    /// Density per area of x_i, drawn from the camera's side.
+    /// Density per area of x_i, drawn from the camera's side; of a distant x_0 per solid angle.
     #[inline]
     pub(crate) fn reverse(&self, vertices: &[PathVertex], i: usize) -> f64 {
         if i + 2 == vertices.len() { vertices[i].reverse / self.area } else { vertices[i].reverse }

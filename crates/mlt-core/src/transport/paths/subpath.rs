@@ -18,14 +18,14 @@ pub(crate) fn light_numbers(rng: &mut impl Rng) -> [f64; 2] {
     [uniform(rng), f64::from(uniform_f32(rng))]
 }
 
-/// Draws x_0 on `region` by power, with density M/power per area.
+/// Draws x_0 on `region` by power, with density M/power per area; of a distant x_0 per solid angle.
 #[inline(always)]
 pub(crate) fn start_at_light(view: &View, region: &LightRegion, [u, v]: [f64; 2]) -> (PathVertex, LightPoint) {
     let point = region.sample(u, v);
     (start_at(view, &point).0, point)
 }
 
-/// Draws x_0 on `region` for x_1, with density λ M/power per area; returns λ, the region's
+/// Draws x_0 on `region` for x_1, with density λ M/power per area or, of a distant x_0, per solid angle; returns λ, the region's
 /// [`preference`](LightRegion::preference), as well.
 #[inline(always)]
 pub(crate) fn start_near(

@@ -9,7 +9,7 @@ use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 
 impl Scene {
-    /// What solids leave of `light` between a vertex and the next one towards the eye.
+    /// The part of `light` that solids let pass between a vertex and the next one towards the eye.
     #[inline(always)]
     pub(crate) fn attenuated(&self, light: Rgb, x: &Vertex, y: &Vertex) -> Rgb {
         if self.needs.absorbs { light * self.attenuation(*x, *y) } else { light }

@@ -58,7 +58,7 @@ impl Scene {
         }
     }
 
-    /// The BSDF of a textured surface at a vertex. By value, as what is referred to has to lie in memory.
+    /// The BSDF of a textured surface at a vertex. Takes vertices by value: a reference would keep them out of registers.
     #[inline(never)]
     fn resolve<'a>(&self, textured: &Textured, vertex: Vertex, room: &'a mut Resolved) -> &'a Bsdf {
         room.0.insert(textured.bsdf(&self.textures, &self.coordinates(&vertex)))

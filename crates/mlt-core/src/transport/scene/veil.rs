@@ -73,7 +73,7 @@ impl Scene {
         self.transmittance_along(Way::segment(a, b))
     }
 
-    /// The same where an end is not on a surface. By value, as what is referred to has to lie in memory.
+    /// The same where an end is not on a surface. Takes vertices by value: a reference would keep them out of registers.
     #[cold]
     fn transmittance_of_others(&self, a: Vertex, b: Vertex) -> f32 {
         let way = Way::between(&a, &b);

@@ -34,7 +34,7 @@ impl Way {
         }
     }
 
-    /// What is left of it, as a step to its end or, of a way without end, in its direction.
+    /// The rest of it, as a step to its end or, of a way without end, in its direction.
     #[inline(always)]
     pub(super) fn step(&self) -> Vec3A {
         if self.endless { self.to } else { self.to - self.from }

@@ -2,8 +2,8 @@
 
 use super::constants::{LEAST_CHAINS, MIXTURE_GAIN, MOST_WORK};
 
-/// Knowledge of one part of path space, in a unit of error × work: how much error, squared and over work, an estimator
-/// leaves that does nothing else.
+/// Knowledge of one part of path space, as error × work: an estimator that samples this part alone with the work W leaves the
+/// squared error (error × work)/W.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Costs {
     /// Of each independent method: error of one sample a pixel; infinite if it does not sample this part. All parts share

@@ -1,4 +1,4 @@
-//! Surfaces that emit, each with an area-preserving map from the unit square.
+//! Surfaces that emit, each with a map from the unit square in proportion to power.
 
 use super::uneven::Uneven;
 use super::{Light, Piece, Shape};

@@ -37,7 +37,8 @@ impl Scene {
         }
     }
 
-    /// Radiance that a vertex emits into a direction, intensity of one at a point, irradiance of one in a direction; none where another surface is seen in its place.
+    /// Radiance that a vertex emits into a direction; intensity of a light at a point, irradiance of one in a direction. Zero where
+    /// another surface is seen in its place.
     #[inline(always)]
     pub fn emitted(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
         if vertex.place != Place::Surface {

@@ -34,7 +34,7 @@ pub struct LightPoint {
     pub v: f64,
 }
 
-/// What light comes from.
+/// The shape of a light.
 #[derive(Clone, Debug)]
 pub struct Light {
     /// Radiance, its mean over the light; intensity of a point on its axis, irradiance of a direction across its rays.

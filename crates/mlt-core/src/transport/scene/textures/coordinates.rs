@@ -4,7 +4,7 @@ use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
 use glam::{Vec2, Vec3A, Vec4, Vec4Swizzles};
 
-/// What a mesh's textures are placed by, interpolated to one point.
+/// Coordinates that a mesh's textures are placed by, interpolated to one point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coordinates {
     /// Of both sets; (0, 0) where the mesh has none.
@@ -13,7 +13,7 @@ pub(crate) struct Coordinates {
     pub colour: Vec4,
 }
 
-/// What the vertices of all meshes carry beyond their positions and normals.
+/// Attributes of the vertices of all meshes, beyond their positions and normals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Attributes {
     meshes: Vec<MeshAttributes>,

@@ -19,8 +19,8 @@ impl Scene {
         self.attributes.at(vertex.primitive, weights)
     }
 
-    /// The shading normal that a vertex's normal map gives it, at barycentric weights of its triangle. By value, as what is referred to has
-    /// to lie in memory.
+    /// The shading normal that a vertex's normal map gives it, at barycentric weights of its triangle. Takes the vertex by
+    /// value: a reference would keep it out of registers.
     #[inline(never)]
     pub(super) fn bent_normal(&self, vertex: Vertex, weights: [f32; 2]) -> Vec3A {
         let Some(map) = self.material(&vertex).textured.as_ref().and_then(|textured| textured.maps.normal) else {

@@ -49,7 +49,7 @@ impl Pixels {
     }
 }
 
-/// What lies beyond an image's edge.
+/// How an image goes on beyond its edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The image again.
@@ -88,7 +88,7 @@ pub enum Filter {
     Bilinear,
 }
 
-/// What the numbers of an image stand for; alpha is linear always.
+/// Meaning of the numbers of an image; alpha is linear always.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Encoding {
     /// Proportional to the value.

@@ -106,13 +106,13 @@ impl ChannelMap {
     }
 }
 
-/// What a texture says, or 1.
+/// Value of a texture, or 1 without one.
 #[inline]
 fn number(map: Option<ChannelMap>, textures: &[Texture], place: &Coordinates) -> f32 {
     map.map_or(1.0, |map| map.at(textures, place))
 }
 
-/// What a texture says, or white.
+/// Colour of a texture, or white without one.
 #[inline]
 fn colour(map: Option<Map>, textures: &[Texture], place: &Coordinates) -> Rgb {
     map.map_or(Rgb::ONE, |map| map.at(textures, place).xyz())

@@ -1,6 +1,7 @@
 //! The bidirectional mutation: delete a subpath, trace a new one.
 //!
-//! With s vertices kept on the light's side and t on the camera's (the camera itself is always kept, but for its point of the lens where t = 1), d are deleted and a
+//! With s vertices kept on the light's side and t on the camera's (the camera itself is always kept, but for its point of
+//! the lens where t = 1), d are deleted and a
 //! new ones are traced, a′ of them from the light's side and a − a′ from the camera's, and the two ends are connected:
 //!
 //! T(x→y | s, t) = P(d | n_x) / (n_x − d) · P(a | d) · Σ_{a′} P(a′ | a) Π_{s ≤ i < s+a′} forward_i(y) Π_{s+a′ ≤ i < s+a} reverse_i(y)

@@ -94,13 +94,13 @@ impl ImageMove {
     }
 }
 
-/// Lengths between two: each octave is as likely as any other, and within one all lengths are. That is 1/r in steps of an octave; any
-/// law will do that does not depend on the state.
+/// Lengths between two: each octave is as likely as any other, and within one all lengths are. That is 1/r in steps of an octave. The
+/// law does not depend on the state, so it cancels in T(y→x)/T(x→y).
 #[derive(Clone, Copy, Debug)]
 struct LogUniform {
     /// Bits of the largest.
     largest: u32,
-    /// How many more than those of the least: log₂ of their ratio in units of 2⁻²³, but for 0.09.
+    /// Bits of the largest less those of the least: 2²³ an octave.
     range: u32,
 }
 
