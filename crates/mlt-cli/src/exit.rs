@@ -26,6 +26,11 @@ impl From<anyhow::Error> for Failure {
 }
 
 impl Failure {
+    /// A run that failed, with a sentence that says why.
+    pub(crate) fn run(message: String) -> Self {
+        Self::Run(anyhow::anyhow!(message))
+    }
+
     /// Says on standard error what is wrong and gives the exit code.
     pub(crate) fn report(&self) -> ExitCode {
         let (error, code) = match self {

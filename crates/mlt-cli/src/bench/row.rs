@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::report::StratumReport;
+use crate::report::{StratumReport, finite};
 
 /// Key of a run; two runs with the same key need not both be made.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -95,11 +95,6 @@ impl From<StratumReport> for Stratum {
         let StratumReport { b, b_stderr, mutations, .. } = report;
         Self { b, b_stderr: finite(b_stderr), mutations }
     }
-}
-
-/// JSON has no infinity and no NaN.
-pub(super) fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
 }
 
 impl Row {

@@ -7,11 +7,11 @@ use anyhow::Context;
 use super::{
     folder::Folder,
     journal::Journal,
-    row::{Key, Row, finite},
+    row::{Key, Row},
     study::{Run, Study},
     subject::{Reference, Subject},
 };
-use crate::{Failure, interrupt::Interrupt, render::Rendered};
+use crate::{Failure, interrupt::Interrupt, render::Rendered, report::finite};
 
 /// A study that is ready to run.
 pub(super) struct Ready<'a> {

@@ -51,7 +51,7 @@ impl Subject {
         let mut words = options.reading.words()?;
         words.push(format!("--size={size}"));
         words.extend(options.max_length.map(|edges| format!("--max-length={edges}")));
-        let setup = Setup::new(&options.reference_method.render_options(scene, &words).map_err(run_failure)?)?;
+        let setup = Setup::new(&options.reference_method.render_options(scene, &words).map_err(Failure::run)?)?;
         Ok(Self { name: scene.display().to_string(), setup, words })
     }
 
@@ -72,7 +72,7 @@ impl Subject {
         };
         let mut words = self.words.clone();
         words.push(format!("--seed={seed}"));
-        let parse = |words: &[String]| method.render_options(Path::new(&self.name), words).map_err(run_failure);
+        let parse = |words: &[String]| method.render_options(Path::new(&self.name), words).map_err(Failure::run);
         let end = match budget {
             Budget::Time(time) => format!("--time {}s", time.as_secs_f64()),
             Budget::PerPixel(n) | Budget::Rays(n) => Plan::budget_option(parse(&words)?.method(), n, 1),
@@ -197,10 +197,6 @@ fn fingerprint(image: &Image) -> String {
     let hash =
         bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
     format!("{hash:016x}")
-}
-
-fn run_failure(message: String) -> Failure {
-    Failure::Run(anyhow::anyhow!(message))
 }
 
 #[cfg(test)]

@@ -5,6 +5,8 @@ use std::fmt;
 use mlt_core::transport::methods::auto::{PartSummary, Sampler, Summary};
 use serde::Serialize;
 
+use super::finite;
+
 /// How path space is shared out between independent samples and chains.
 #[derive(Clone, Debug, Serialize)]
 pub struct Decision {
@@ -57,10 +59,6 @@ impl From<&Summary> for Decision {
         let parts = summary.parts.iter().map(part).collect();
         Self { independent, branches, chain_share: summary.chain_share, parts }
     }
-}
-
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
 }
 
 impl fmt::Display for Decision {

@@ -22,6 +22,11 @@ pub use decision::{Decision, Part};
 pub use provenance::Provenance;
 pub use trust::Trust;
 
+/// JSON has no infinity and no NaN.
+pub(crate) fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
 /// The report of `mlt render --json`, one object; [`Display`](fmt::Display) is the same for reading.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {

@@ -87,7 +87,7 @@ impl Subject {
     /// Loads the scene.
     pub fn load(scene: &Path, reading: &SceneOptions, effort: Effort) -> Result<Self, Failure> {
         let words = [reading.words()?, vec![format!("--size={}", effort.size)]].concat();
-        let options = options(&"pt".parse().map_err(run_failure)?, scene, &words)?;
+        let options = options(&"pt".parse().map_err(Failure::run)?, scene, &words)?;
         let mut found = Vec::new();
         let setup = Setup::edited(&options, |description| found = emitters(description))?;
         let count = found.len().min(MOST_GROUPS);
@@ -191,15 +191,11 @@ pub fn reference_for(contestant: &Contestant, scene: &Path, wanted: &Contestant)
         return Ok(wanted.clone());
     }
     let other = if method(wanted)? == Method::Bdpt { "pt" } else { "bdpt" };
-    other.parse().map_err(run_failure)
+    other.parse().map_err(Failure::run)
 }
 
 fn options(contestant: &Contestant, scene: &Path, words: &[String]) -> Result<RenderOptions, Failure> {
-    contestant.render_options(scene, words).map_err(run_failure)
-}
-
-fn run_failure(message: String) -> Failure {
-    Failure::Run(anyhow::anyhow!(message))
+    contestant.render_options(scene, words).map_err(Failure::run)
 }
 
 /// A source of light.

@@ -135,27 +135,9 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
         I: Importance<P> + Sync,
         Self: Estimator<C, Prepared = Prepared, Task = StratumStats, Tally = Tally>,
     {
-        let (mut tally, mut visits) = (Tally::default(), Vec::new());
-        visits.resize_with(self.strata.len(), Vec::new);
         let count = rounds.end.saturating_sub(rounds.start);
-        for round in rounds {
-            let prepared = self.prepared(round, watch)?;
-            let run = |task| {
-                watch.unless_stopped(|| {
-                    let mut deposits = Deposits::new(sites, 31);
-                    (self.run(&prepared, task, &mut deposits), deposits.sums())
-                })
-            };
-            let tasks = (0..self.tasks(&prepared)).into_par_iter();
-            let (tallies, sums): (Vec<_>, Vec<_>) = tasks.map(run).collect::<Option<Vec<_>>>()?.into_iter().unzip();
-            for (task, sums) in sums.into_iter().enumerate() {
-                let (stratum, b) = prepared.chain(task);
-                visits[stratum].extend(sums.into_iter().map(|(site, sum)| Visits { site, round, share: sum / b }));
-            }
-            self.tally(&mut tally, &prepared, tallies);
-        }
+        let (tally, visits) = self.visit(sites, rounds, watch)?;
         let lit_rounds = |stats: &StratumStats| count - stats.dark_rounds;
-        let visits: Vec<_> = visits.into_par_iter().map(by_site).collect();
         let moments: Vec<_> =
             (visits.par_iter().zip(&tally.strata)).map(|(visits, stats)| moments(visits, lit_rounds(stats))).collect();
         let images: Vec<Vec<_>> = (tally.strata.iter().zip(&moments))
@@ -172,6 +154,36 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
             })
             .collect();
         Some(Piloted { measures, images, tally })
+    }
+
+    /// Runs rounds that go into no image: their counts, and the visits of each stratum, in order of the sites.
+    fn visit<const C: usize>(&self, sites: u32, rounds: Range<u64>, watch: Watch) -> Option<(Tally, Vec<Vec<Visits>>)>
+    where
+        P: Path<Splat = Splat<C>> + Send,
+        S: Stratum<P> + Sync,
+        M: Mutation<P, S> + Sync,
+        I: Importance<P> + Sync,
+        Self: Estimator<C, Prepared = Prepared, Task = StratumStats, Tally = Tally>,
+    {
+        let (mut tally, mut visits) = (Tally::default(), Vec::new());
+        visits.resize_with(self.strata.len(), Vec::new);
+        for round in rounds {
+            let prepared = self.prepared(round, watch)?;
+            let run = |task| {
+                watch.unless_stopped(|| {
+                    let mut deposits = Deposits::new(sites, 31);
+                    (self.run(&prepared, task, &mut deposits), deposits.sums())
+                })
+            };
+            let tasks = (0..self.tasks(&prepared)).into_par_iter();
+            let (tallies, sums): (Vec<_>, Vec<_>) = tasks.map(run).collect::<Option<Vec<_>>>()?.into_iter().unzip();
+            for (task, sums) in sums.into_iter().enumerate() {
+                let (stratum, b) = prepared.chain(task);
+                visits[stratum].extend(sums.into_iter().map(|(site, sum)| Visits { site, round, share: sum / b }));
+            }
+            self.tally(&mut tally, &prepared, tallies);
+        }
+        Some((tally, visits.into_par_iter().map(by_site).collect()))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Signs of a wrong image that a render's counts hold.
 
 use super::{MutationStats, StratumStats, Tally};
-use std::fmt;
+use std::{fmt, iter};
 
 /// Share of Σ b_j from which a stratum is bright enough that its noise matters to the image.
 const NOTABLE: f64 = 0.05;
@@ -60,62 +60,50 @@ impl fmt::Display for Warning {
 impl Warning {
     /// Those that counts give reason to.
     pub(super) fn all(tally: &Tally) -> Vec<Self> {
-        let doubts = [
-            non_finite(tally),
-            counted(
-                tally,
-                WarningKind::RefusedStarts,
-                |s| s.refused_starts,
-                |chains| format!("{chains} chains could not start; what they would have added is missing"),
-            ),
-            counted(
-                tally,
-                WarningKind::ChangedStarts,
-                |s| s.changed_starts,
-                |chains| {
-                    format!(
-                        "{chains} samples had another weight when they were made again, so the image is wrong: what samples a \
-                     stratum has to depend on its random numbers alone"
-                    )
-                },
-            ),
-            counted(
-                tally,
-                WarningKind::Astray,
-                |s| s.coverage.astray,
-                |states| {
-                    format!(
-                        "{states} independent samples lie outside their own stratum, so the image is wrong: a stratum has to show \
-                     states that it contains"
-                    )
-                },
-            ),
-            counted(
-                tally,
-                WarningKind::Uncovered,
-                |s| s.coverage.uncovered,
-                |states| {
-                    format!(
-                        "{states} states lie in no stratum, and the image lacks what such states bring: close the gap"
-                    )
-                },
-            ),
-            counted(
-                tally,
-                WarningKind::Shared,
-                |s| s.coverage.shared,
-                |states| {
-                    format!(
-                        "{states} states lie in two strata or more, and the image has what such states bring twice: cut the overlap"
-                    )
-                },
-            ),
-            dark(tally),
-            disagreement(tally),
-        ];
-        doubts.into_iter().flatten().collect()
+        let counts =
+            COUNTED.iter().map(|counts| counted(tally, counts.kind, counts.of, |n| format!("{n} {}", counts.sentence)));
+        let doubts = iter::once(non_finite(tally)).chain(counts).chain([dark(tally), disagreement(tally)]);
+        doubts.flatten().collect()
     }
 }
+
+/// Something of which a sound stratum counts none.
+struct Counted {
+    kind: WarningKind,
+    of: fn(&StratumStats) -> u64,
+    /// The sentence, without the number that it begins with.
+    sentence: &'static str,
+}
+
+const COUNTED: [Counted; 5] = [
+    Counted {
+        kind: WarningKind::RefusedStarts,
+        of: |stats| stats.refused_starts,
+        sentence: "chains could not start; what they would have added is missing",
+    },
+    Counted {
+        kind: WarningKind::ChangedStarts,
+        of: |stats| stats.changed_starts,
+        sentence: "samples had another weight when they were made again, so the image is wrong: what samples a stratum has to \
+                   depend on its random numbers alone",
+    },
+    Counted {
+        kind: WarningKind::Astray,
+        of: |stats| stats.coverage.astray,
+        sentence: "independent samples lie outside their own stratum, so the image is wrong: a stratum has to show states that it \
+                   contains",
+    },
+    Counted {
+        kind: WarningKind::Uncovered,
+        of: |stats| stats.coverage.uncovered,
+        sentence: "states lie in no stratum, and the image lacks what such states bring: close the gap",
+    },
+    Counted {
+        kind: WarningKind::Shared,
+        of: |stats| stats.coverage.shared,
+        sentence: "states lie in two strata or more, and the image has what such states bring twice: cut the overlap",
+    },
+];
 
 /// A warning where a count is not 0 in some strata.
 fn counted(
