@@ -1,9 +1,12 @@
 //! From options to a scene and a camera.
 
+use std::time::Instant;
+
 use anyhow::{Context, anyhow};
 use mlt_core::memory::Memory;
 use mlt_core::transport::scene::{Camera, Scene, SceneDescription, SurfaceName, UnusableScene};
 use mlt_scene::Loaded;
+use tracing::info;
 
 use super::pose::pose;
 use crate::{
@@ -42,16 +45,20 @@ impl Setup {
 
     /// The same of a scene that is changed once it is loaded.
     pub(crate) fn edited(options: &RenderOptions, edit: impl FnOnce(&mut SceneDescription)) -> Result<Self, Failure> {
-        let memory = memory();
+        let (memory, start) = (memory(), Instant::now());
         let loaded = mlt_scene::open_within(&options.scene, &options.reading.load_options(), &memory);
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;
         edit(&mut loaded.description);
+        info!("{} is read after {:.3} s", options.scene.display(), start.elapsed().as_secs_f64());
         let (digest, mut warnings) = (loaded.digest.clone(), std::mem::take(&mut loaded.warnings));
         if loaded.neutral_sky {
             let words = "nothing in the file gives light, so a neutral sky does";
             warnings.push(format!("{words}; --environment chooses another, or none"));
         }
         let (scene, camera, used) = seen(options, loaded, &memory, &mut warnings)?;
+        let (triangles, lights) = (scene.triangles(), scene.lights().lights.len());
+        info!("{triangles} triangles and {lights} lights are set up after {:.3} s", start.elapsed().as_secs_f64());
+        info!("camera {used}; {:?}", scene.needs());
         let provenance = Provenance { scene: options.scene.display().to_string(), camera: used, warnings };
         Ok(Self { provenance, digest, scene, camera, memory })
     }
