@@ -5,6 +5,7 @@ mod bench_browser;
 mod diff;
 #[cfg(unix)]
 mod interrupt;
+mod progress;
 mod render;
 mod resume;
 mod usage;

@@ -2,8 +2,6 @@
 
 use std::process::ExitCode;
 
-use clap::error::ErrorKind;
-
 use crate::{interrupt, terminal};
 
 /// A run that did not succeed.
@@ -41,40 +39,5 @@ impl Failure {
         };
         terminal::complain("error", &format!("{error:#}"));
         ExitCode::from(code)
-    }
-
-    /// Prints what clap shows on request (help, version); what it objects to becomes one sentence.
-    pub(crate) fn from_clap(error: &clap::Error) -> Result<(), Self> {
-        let text = error.render().to_string();
-        match error.kind() {
-            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Ok(terminal::print(&text)?),
-            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-                Err(Self::Usage(anyhow::anyhow!("no command given; see 'mlt --help'")))
-            }
-            _ => Err(Self::Usage(anyhow::anyhow!(one_sentence(&text)))),
-        }
-    }
-}
-
-/// The part of clap's message before its usage lines, on one line and without the leading "error: ".
-pub(crate) fn one_sentence(text: &str) -> String {
-    let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|mark| text.find(mark)).min();
-    let message = text[..end.unwrap_or(text.len())].trim().trim_start_matches("error: ");
-    message
-        .split("\n\n")
-        .map(|paragraph| paragraph.split_whitespace().collect::<Vec<_>>().join(" "))
-        .collect::<Vec<_>>()
-        .join("; ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn clap_messages_become_one_sentence() {
-        let text = "error: unexpected argument '--sise' found\n\n  tip: a similar argument exists: '--size'\n\n\
-                    Usage: mlt render --size <WxH>\n\nFor more information, try '--help'.\n";
-        assert_eq!(one_sentence(text), "unexpected argument '--sise' found; tip: a similar argument exists: '--size'");
     }
 }

@@ -13,12 +13,15 @@ mod exit;
 pub mod image;
 pub mod interrupt;
 pub mod kept;
+mod log;
 pub mod output;
 pub mod progress;
 pub mod render;
 pub mod report;
 mod system;
 mod terminal;
+pub mod tools;
+mod usage;
 pub mod verify;
 
 pub use exit::Failure;
@@ -28,10 +31,13 @@ pub use terminal::{print, warn, warn_all};
 /// Runs the program with the arguments of this process.
 pub fn main() -> ExitCode {
     interrupt::outlive_file_limits();
-    let outcome = match args::Cli::try_parse() {
+    let words: Vec<_> = std::env::args_os().collect();
+    // Help and objections have colours, too.
+    terminal::choose_colour(args::line::colour(&words));
+    let outcome = args::line::completed(words).and_then(|words| match args::Cli::try_parse_from(words) {
         Ok(cli) => run(&cli),
-        Err(error) => Failure::from_clap(&error),
-    };
+        Err(error) => usage::answer(&error),
+    });
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
@@ -39,12 +45,16 @@ pub fn main() -> ExitCode {
 }
 
 fn run(cli: &args::Cli) -> Result<(), Failure> {
+    log::start(cli.general.verbose);
     match &cli.command {
         args::Command::Render(options) => render::run(options),
+        args::Command::Scenes(options) => tools::scenes::run(options),
         args::Command::Merge(options) => kept::merge::run(options),
         args::Command::Info(options) => kept::info::run(options),
         args::Command::Diff(options) => diff::run(options),
-        args::Command::Bench(options) => bench::run(options),
         args::Command::Verify(options) => verify::run(options),
+        args::Command::Bench(options) => bench::run(options),
+        args::Command::Completions(options) => tools::completions::run(options),
+        args::Command::Man(options) => tools::man::run(options),
     }
 }

@@ -20,6 +20,7 @@ mod glass;
 mod gltf_file;
 mod guard;
 mod images;
+mod missing;
 mod names;
 mod obj_file;
 mod options;
@@ -33,12 +34,13 @@ use mlt_core::transport::scene::SceneDescription;
 use source::Source;
 use std::path::Path;
 
-pub use builtin::{BUILTIN, builtin};
+pub use builtin::{BUILTIN, BuiltIn, builtin};
 pub use camera::{bounds, camera_framing, camera_look_at};
 pub use environment::{EnvironmentOptions, EnvironmentSource};
 pub use error::SceneError;
 pub use glass::Glass;
-pub use names::instead_of;
+pub use missing::{SCENE_EXTENSIONS, is_scene_file};
+pub use names::{instead_of, meant};
 pub use options::{LightUnits, LoadOptions};
 pub use text::{MOST_OF_A_MESSAGE, printable};
 
@@ -74,6 +76,9 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
 
 /// Loads a `.gltf`, `.glb` or `.obj` file, and takes the memory that it needs here and in the renderer's scene.
 fn load_within(path: &Path, options: &LoadOptions, memory: &Memory) -> Result<Loaded, SceneError> {
+    if is_scene_file(path) && !path.exists() {
+        return Err(SceneError::Missing { path: path.to_owned(), hint: missing::hint(path) });
+    }
     let source = Source::file(path, memory);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let parse = match extension.as_deref() {
@@ -109,7 +114,7 @@ pub fn open_within(
     }
     let loaded = builtin::read(&name, options).unwrap_or_else(|| match path.exists() {
         true => Err(SceneError::NotAFile { path: path.to_owned() }),
-        false => Err(SceneError::NotFound { name: name.into_owned() }),
+        false => Err(SceneError::NotFound { name: name.into_owned(), hint: missing::hint(path) }),
     });
     let mut loaded = loaded?;
     environment::surround(&mut loaded, &options.environment, memory)?;

@@ -69,7 +69,9 @@ impl<'a> Source<'a> {
         }
         if let Some(files) = self.embedded {
             let found = files.iter().find(|f| f.0 == name);
-            let content = found.map(|f| f.1.to_vec()).ok_or_else(|| SceneError::NotFound { name: name.clone() })?;
+            let content = found
+                .map(|f| f.1.to_vec())
+                .ok_or_else(|| SceneError::NotFound { name: name.clone(), hint: String::new() })?;
             return Ok(self.noted(&name, content));
         }
         let folder = self.path.parent().unwrap_or(Path::new(""));

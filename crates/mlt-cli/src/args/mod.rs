@@ -2,30 +2,70 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 pub mod aperture;
 pub mod bench;
 pub mod contestant;
 pub mod environment;
+pub mod heading;
 pub mod kept;
+pub mod line;
 pub mod merge;
 pub mod perturbations;
 pub mod render;
 pub mod scene;
+pub mod tools;
 pub mod transport;
 pub mod values;
 pub mod verify;
 pub mod view;
 pub mod written;
 
-/// Stratified Metropolis light transport.
+const EXAMPLES: &str = "\
+Examples:
+  mlt render room.glb          an image of it, as room.exr and room.png
+  mlt inspect room.glb         what is in it: cameras, lights, what is left out
+  mlt render --help            every option of a render
+
+'mlt room.glb' is the same as 'mlt render room.glb'.";
+
+/// Renders glTF and OBJ scenes: unbiased, with an error bar on every pixel.
 #[derive(Debug, Parser)]
-#[command(name = "mlt", version, arg_required_else_help = true)]
+#[command(name = "mlt", version, arg_required_else_help = true, after_help = EXAMPLES)]
 pub struct Cli {
     /// The subcommand.
     #[command(subcommand)]
     pub command: Command,
+    /// What is said besides, on standard error.
+    #[command(flatten)]
+    pub general: GeneralOptions,
+}
+
+/// Options of every command.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct GeneralOptions {
+    /// Say on standard error what is decided, and when; -vv for each round
+    #[arg(short, long, action = ArgAction::Count, global = true)]
+    pub verbose: u8,
+    /// Colours in messages and help
+    ///
+    /// By itself where a terminal shows them and NO_COLOR is not set.
+    #[arg(long, value_enum, value_name = "WHEN", default_value_t, global = true)]
+    #[arg(hide_short_help = true)]
+    pub color: Colour,
+}
+
+/// When there are colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Colour {
+    /// Where a terminal shows them, unless NO_COLOR is set
+    #[default]
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
 }
 
 /// The program's commands.
@@ -33,16 +73,22 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene
     Render(Box<render::RenderOptions>),
+    /// List the built-in scenes
+    Scenes(tools::ScenesOptions),
     /// Add up parts of a render
     Merge(merge::MergeOptions),
     /// Tell what a file of a render holds
     Info(merge::InfoOptions),
     /// Measure how far images are from a reference
     Diff(DiffOptions),
-    /// Chart the error of methods against time, rays and mutations
-    Bench(Box<bench::BenchOptions>),
     /// Tell whether images of a scene can be trusted
     Verify(Box<verify::VerifyOptions>),
+    /// Chart the error of methods against time, rays and mutations
+    Bench(Box<bench::BenchOptions>),
+    /// Write completions for a shell
+    Completions(tools::CompletionsOptions),
+    /// Write manual pages
+    Man(tools::ManOptions),
 }
 
 /// Options of `mlt diff`.

@@ -2,9 +2,10 @@
 
 use std::{ffi::OsStr, num::NonZeroUsize, path::PathBuf, time::Duration};
 
-use clap::{ArgGroup, Args};
+use clap::{ArgGroup, Args, ValueHint};
 use mlt_core::transport::render::Settings;
 
+use super::heading;
 use super::kept::KeptOptions;
 use super::scene::SceneOptions;
 use super::transport::{Method, TransportOptions};
@@ -17,6 +18,11 @@ use crate::{
 
 /// Most rounds, and highest number of the first one.
 const MAX_ROUNDS: u64 = 1_000_000_000;
+
+const SHORT_EXAMPLES: &str = "\
+Examples:
+  mlt render room.glb --error 2% -o room.png
+  mlt render room.obj --camera-from 4,3,6 --camera-to 0,1,0 --fov 40";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,71 +40,80 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or a scene that cannot be read, 130 
 
 /// Options of `mlt render`.
 #[derive(Args, Clone, Debug, PartialEq)]
-#[command(allow_negative_numbers = true, after_help = EXAMPLES)]
+#[command(allow_negative_numbers = true, after_help = SHORT_EXAMPLES, after_long_help = EXAMPLES)]
 #[command(group = ArgGroup::new("budget").args(["mutations_per_pixel", "samples_per_pixel", "time", "error"]))]
 pub struct RenderOptions {
-    /// A glTF or OBJ file, or the name of a built-in scene: cornell, ring or suzanne
-    #[arg(default_value = "cornell")]
+    /// A glTF or OBJ file, or a built-in scene: cornell, ring or suzanne
+    #[arg(default_value = "cornell", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,
-    /// Write to FILE, .exr (linear, float), .png (sRGB) or .mltp (exact sums, for 'mlt merge'); may be given several times. SCENE.exr
-    /// and SCENE.png in the current folder if not given
-    #[arg(short, long = "output", value_name = "FILE")]
-    pub outputs: Vec<OutputFile>,
 
-    /// How light transport is computed; if not given, mlt if an option asks for mutations, strata, weights, a variant,
-    /// perturbations or an importance, else auto
-    #[arg(long, value_enum, help_heading = "Method")]
-    pub method: Option<Method>,
-    /// The other options of the computation.
+    /// Where the scene is seen from.
     #[command(flatten)]
-    pub transport: TransportOptions,
+    pub view: ViewOptions,
+    /// Exposure of PNG files in stops: 1 is twice as bright
+    #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0, help_heading = heading::IMAGE)]
+    pub exposure: f64,
 
-    /// Stop after this many mutations per pixel (mlt, pssmlt, mmlt)
-    #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = "Budget")]
-    pub mutations_per_pixel: Option<f64>,
-    /// Stop after this many independent samples per pixel (bdpt, pt), or work worth as many of pt (auto); other methods make
-    /// as many mutations
-    #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = "Budget")]
+    /// Stop after this many samples per pixel
+    ///
+    /// Independent samples of bdpt and pt, and work worth as many of pt of auto; other methods make as many mutations.
+    #[arg(long, visible_alias = "spp", alias = "samples", value_name = "N", value_parser = per_pixel)]
+    #[arg(help_heading = heading::BUDGET)]
     pub samples_per_pixel: Option<f64>,
     /// Stop after this time, such as 30s, 5m or 1h
-    #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Budget")]
+    #[arg(long, value_name = "TIME", value_parser = duration, help_heading = heading::BUDGET)]
     pub time: Option<Duration>,
     /// Stop when the estimated relative error is this, such as 2% or 0.02
-    #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = "Budget")]
+    #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = heading::BUDGET)]
     pub error: Option<f64>,
 
-    /// Share the budget out to this many rounds: independent renders of the whole image, averaged. 16 or more if not given; a
-    /// round of auto, bdpt or pt takes one sample of every pixel at least
-    #[arg(long, value_name = "N", help_heading = "Budget")]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..=MAX_ROUNDS))]
-    pub rounds: Option<u64>,
-    /// Number of the first round, to split a render over machines
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "rounds", help_heading = "Budget")]
-    #[arg(value_parser = clap::value_parser!(u64).range(..=MAX_ROUNDS))]
-    pub first_round: u64,
-    /// Files that outlive the process.
-    #[command(flatten)]
-    pub keeping: KeptOptions,
+    /// How light is computed; by itself, auto finds out what suits the scene
+    ///
+    /// If not given, mlt if an option asks for mutations, strata, weights, a variant, perturbations or an importance, else auto.
+    #[arg(long, visible_alias = "integrator", value_enum, help_heading = heading::METHOD)]
+    pub method: Option<Method>,
     /// Threads; all processors if not given. The image does not depend on it
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(short, long, short_alias = 'j', alias = "nthreads", value_name = "N", value_parser = threads)]
+    #[arg(help_heading = heading::METHOD)]
     pub threads: Option<NonZeroUsize>,
+
+    /// Write to FILE, .exr, .png or .mltp; may be given several times
+    ///
+    /// .exr is linear, with error bars; .png is for looking at; .mltp holds exact sums, for 'mlt merge'. SCENE.exr and SCENE.png in the
+    /// current folder if not given.
+    #[arg(short, long = "output", alias = "outfile", value_name = "FILE", value_hint = ValueHint::FilePath)]
+    #[arg(help_heading = heading::OUTPUT)]
+    pub outputs: Vec<OutputFile>,
+    /// Print the report as one JSON object on standard output
+    #[arg(long, help_heading = heading::OUTPUT)]
+    #[arg(hide_short_help = true)]
+    pub json: bool,
+    /// No progress, no report; errors and warnings only
+    #[arg(short, long, help_heading = heading::OUTPUT)]
+    pub quiet: bool,
 
     /// How the scene is read.
     #[command(flatten)]
     pub reading: SceneOptions,
-    /// Where the scene is seen from.
+    /// Files that outlive the process.
     #[command(flatten)]
-    pub view: ViewOptions,
-    /// Exposure of PNG files in stops: pixels times 2^EV
-    #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0)]
-    pub exposure: f64,
+    pub keeping: KeptOptions,
 
-    /// Print the report as one JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// No progress, no report; errors and warnings only
-    #[arg(short, long)]
-    pub quiet: bool,
+    /// The other options of the computation.
+    #[command(flatten)]
+    pub transport: TransportOptions,
+    /// Stop after this many mutations per pixel (mlt, pssmlt, mmlt)
+    #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = heading::RESEARCH, hide_short_help = true)]
+    pub mutations_per_pixel: Option<f64>,
+    /// Share the budget out to this many rounds: independent renders of the whole image, averaged. 16 or more if not given; a
+    /// round of auto, bdpt or pt takes one sample of every pixel at least
+    #[arg(long, value_name = "N", help_heading = heading::RESEARCH, hide_short_help = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=MAX_ROUNDS))]
+    pub rounds: Option<u64>,
+    /// Number of the first round, to split a render over machines
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "rounds", help_heading = heading::RESEARCH)]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=MAX_ROUNDS), hide_short_help = true)]
+    pub first_round: u64,
 }
 
 impl RenderOptions {
@@ -252,6 +267,19 @@ mod tests {
     }
 
     #[test]
+    fn names_that_other_renderers_use_are_understood() {
+        let ours = "--samples-per-pixel 8 --size 64x48 --threads 2 --method pt";
+        for theirs in [
+            "--spp 8 --resolution 64x48 -t 2 --integrator path",
+            "--samples 8 -s 64x48 -j2 --integrator pt",
+            "--spp=8 -s64x48 --nthreads 2 --method path",
+        ] {
+            assert_eq!(parse(theirs), parse(ours), "{theirs}");
+        }
+        assert!(parse("-s 64").expect_err("no size").contains("samples per pixel are --spp"));
+    }
+
+    #[test]
     fn each_budget_is_understood() {
         assert_eq!(parse("--time 5m").map(|o| o.time), Ok(Some(Duration::from_secs(300))));
         assert_eq!(parse("--error 2%").map(|o| o.error), Ok(Some(0.02)));
@@ -267,6 +295,8 @@ mod tests {
             "--camera-from 1,2,3",
             "--camera-to 1,2,3",
             "--camera a --fov 30",
+            "--size 4x4 --height 4",
+            "--spp 4 --samples-per-pixel 4",
             "--camera a --camera-from 1,2,3 --camera-to 0,0,0",
             "--time 3s --time 4s",
         ] {

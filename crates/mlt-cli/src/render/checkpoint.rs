@@ -6,6 +6,7 @@ use std::{
 };
 
 use mlt_core::transport::render::Sums;
+use tracing::info;
 
 use crate::{
     args::kept::KeptOptions,
@@ -31,8 +32,9 @@ impl<'a> Checkpoint<'a> {
     pub(super) fn offer(&mut self, about: impl FnOnce() -> anyhow::Result<About>, sums: &Sums) {
         let Some(path) = self.path.filter(|_| self.last.elapsed() >= self.every) else { return };
         let written = about().and_then(|about| atomic::write(path, &kept::encode(&about, sums)?));
-        if let Err(error) = written {
-            warn(&format!("{error:#}; the render goes on"));
+        match written {
+            Ok(()) => info!("{} rounds are kept in {}", sums.film().rounds(), path.display()),
+            Err(error) => warn(&format!("{error:#}; the render goes on")),
         }
         self.last = Instant::now();
     }

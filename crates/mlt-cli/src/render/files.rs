@@ -21,6 +21,7 @@ pub(crate) fn write(options: &RenderOptions, finished: Finished) -> Result<Repor
     let attributes = attributes(options, &report, per_pixel)?;
     let save = |output: &OutputFile, bytes: anyhow::Result<Vec<u8>>| -> anyhow::Result<String> {
         atomic::write(&output.path, &bytes?)?;
+        tracing::info!("{} is written", output.path.display());
         Ok(output.path.display().to_string())
     };
     let (parts, images): (Vec<_>, Vec<_>) = options.targets().into_iter().partition(OutputFile::holds_sums);

@@ -12,7 +12,7 @@ use crate::args::{
 
 /// Options of the view, with the size that the image has.
 pub(super) fn view(options: &RenderOptions, [width, height]: [usize; 2]) -> ViewOptions {
-    ViewOptions { size: Some(Size { width, height }), ..options.view.clone() }
+    options.view.sized(Size { width, height })
 }
 
 /// Names and values of scene and settings: rounds with the same key are of one render and add up.

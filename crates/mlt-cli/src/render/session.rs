@@ -6,6 +6,7 @@ use mlt_core::engine::{Ending, Outcome, Watch};
 use mlt_core::transport::LUMINANCE;
 use mlt_core::transport::render::{Renderer, Sums, film_of};
 use mlt_core::transport::scene::View;
+use tracing::{debug, info};
 
 use super::{
     Plan, Setup,
@@ -24,8 +25,6 @@ use crate::{
     report::{Decision, Provenance, Report},
 };
 
-/// Steps of the progress bar.
-const STEPS: u64 = 1000;
 /// Bytes of a round for each of its mutations: a quarter of an independent sample, whose weight is held twice while it is gathered, and
 /// the counts of short chains.
 const BYTES_PER_MUTATION: f64 = 4.2;
@@ -54,14 +53,18 @@ pub(super) fn run(
 ) -> Result<Finished, Failure> {
     let (start, cpu) = (Instant::now(), cpu_seconds());
     let view = View { scene: &setup.scene, camera: &setup.camera };
-    let progress = Progress::new(STEPS, options.method().unit(), options.quiet);
-    progress.prepare();
+    let progress = Progress::new(options.method().unit(), options.quiet);
+    progress.prepare(0.0);
     let Round { per_pixel, time } = Round::new(options, view, &plan, interrupt);
     require_memory_for_round(options.method(), per_pixel, setup)?;
     let mut sums = Sums::new(film_of(view)).with_key(key(options, setup, per_pixel)?);
     let before = kept.map_or(Ok(Spent::NONE), |kept| kept.resume(&mut sums, plan.own()))?;
     let go_on = || interrupt.go_on();
-    let renderer = Renderer::watched(view, options.settings(per_pixel), Watch::new(&go_on)).ok_or_else(too_early)?;
+    info!("a round is {per_pixel} {} per pixel; {plan}", options.method().unit());
+    let tell = |share| progress.prepare(share);
+    let watch = Watch::new(&go_on).reporting(&tell);
+    let renderer = Renderer::watched(view, options.settings(per_pixel), watch).ok_or_else(too_early)?;
+    info!("set up after {:.3} s{}", start.elapsed().as_secs_f64(), decision(&renderer));
     let ending = Ending::new(plan.limits(), LUMINANCE, start).expecting(time).showing_error(progress.is_shown());
     let provenance = provenance(options, setup);
     let session = Session {
@@ -78,18 +81,39 @@ pub(super) fn run(
     };
     let mut checkpoint = Checkpoint::new(&options.keeping);
     let outcome = session.renderer.render_until(&ending, plan.own().start, &mut sums, &mut |at, sums| {
-        progress.update((at.share * STEPS as f64) as u64, session.rate(at.rounds), at.error);
+        progress.update(&at, session.rate(at.rounds));
         if at.rounds.fract() == 0.0 {
+            debug!("{} rounds, relative error {:?}, {:.1?} left", at.rounds, at.error, at.left);
             checkpoint.offer(|| session.about(), sums);
         }
         interrupt.go_on()
     });
     progress.finish();
+    info!(
+        "{} rounds after {:.3} s: {}",
+        sums.film().rounds(),
+        start.elapsed().as_secs_f64(),
+        ending_words(outcome, interrupt)
+    );
     if sums.film().rounds() == 0 {
         return Err(too_early());
     }
     let report = session.report(&sums, outcome == Outcome::Stopped && interrupt.requested());
     Ok(Finished { about: session.about()?, sums, report, per_pixel })
+}
+
+/// What a pilot has decided, if it had a choice.
+fn decision(renderer: &Renderer) -> String {
+    let text = renderer.decision().map_or_else(String::new, |decision| Decision::from(decision).to_string());
+    if text.is_empty() { text } else { format!(": {}", text.split_whitespace().collect::<Vec<_>>().join(" ")) }
+}
+
+fn ending_words(outcome: Outcome, interrupt: &Interrupt) -> &'static str {
+    match outcome {
+        Outcome::Stopped if interrupt.requested() => "interrupted",
+        Outcome::Stopped => "the error is reached",
+        Outcome::Complete => "done",
+    }
 }
 
 fn too_early() -> Failure {

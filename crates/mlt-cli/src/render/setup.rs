@@ -1,21 +1,22 @@
 //! From options to a scene and a camera.
 
+use std::time::Instant;
+
 use anyhow::{Context, anyhow};
 use mlt_core::memory::Memory;
-use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, SurfaceName, UnusableScene};
+use mlt_core::transport::scene::{Camera, Scene, SceneDescription, SurfaceName, UnusableScene};
 use mlt_scene::Loaded;
+use tracing::info;
 
 use super::pose::pose;
 use crate::{
     Failure,
-    args::render::RenderOptions,
+    args::{render::RenderOptions, values::Size},
     memory,
     report::{CameraUsed, Provenance},
     take_memory, warn_all,
 };
 
-/// Side of an image whose size is not given, pixels.
-const USUAL_SIDE: f64 = 512.0;
 /// Bytes a pixel: the film's sums and current round, the image, and the files in the making. 172 to 180 were measured.
 const BYTES_PER_PIXEL: u64 = 192;
 /// The same for sums that are read from a file or written to one.
@@ -44,16 +45,20 @@ impl Setup {
 
     /// The same of a scene that is changed once it is loaded.
     pub(crate) fn edited(options: &RenderOptions, edit: impl FnOnce(&mut SceneDescription)) -> Result<Self, Failure> {
-        let memory = memory();
+        let (memory, start) = (memory(), Instant::now());
         let loaded = mlt_scene::open_within(&options.scene, &options.reading.load_options(), &memory);
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;
         edit(&mut loaded.description);
+        info!("{} is read after {:.3} s", options.scene.display(), start.elapsed().as_secs_f64());
         let (digest, mut warnings) = (loaded.digest.clone(), std::mem::take(&mut loaded.warnings));
         if loaded.neutral_sky {
             let words = "nothing in the file gives light, so a neutral sky does";
             warnings.push(format!("{words}; --environment chooses another, or none"));
         }
         let (scene, camera, used) = seen(options, loaded, &memory, &mut warnings)?;
+        let (triangles, lights) = (scene.triangles(), scene.lights().lights.len());
+        info!("{triangles} triangles and {lights} lights are set up after {:.3} s", start.elapsed().as_secs_f64());
+        info!("camera {used}; {:?}", scene.needs());
         let provenance = Provenance { scene: options.scene.display().to_string(), camera: used, warnings };
         Ok(Self { provenance, digest, scene, camera, memory })
     }
@@ -69,7 +74,8 @@ fn seen(
     let framed = options.view.camera_from.is_none() && loaded.description.cameras.is_empty();
     let framing = || mlt_scene::bounds(&loaded.description).map(mlt_scene::camera_framing);
     let (pose, used) = pose(options, &loaded.description, framing)?;
-    let size = size(options, &pose);
+    let Size { width, height } = options.view.size_for(pose.aspect_ratio.map_or(1.0, f64::from));
+    let size = [width as u32, height as u32];
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     let kept = if options.keeps_sums() { BYTES_PER_PIXEL_KEPT } else { 0 };
     take_memory(memory, pixels * (BYTES_PER_PIXEL + kept), &format!("an image of {}x{}", size[0], size[1]))?;
@@ -116,16 +122,4 @@ fn overlaps(pairs: &[[SurfaceName; 2]]) -> Vec<String> {
     let more = pairs.len().saturating_sub(NAMED);
     let rest = (more > 0).then(|| format!("{more} more pairs of meshes overlap in one plane, a light among each"));
     pairs.iter().take(NAMED).map(sentence).chain(rest).collect()
-}
-
-/// The size asked for, or one of the camera's aspect ratio.
-fn size(options: &RenderOptions, pose: &CameraPose) -> [u32; 2] {
-    match options.view.size {
-        Some(size) => [size.width as u32, size.height as u32],
-        None => {
-            let aspect = f64::from(pose.aspect_ratio.unwrap_or(1.0)).clamp(1.0 / 16.0, 16.0);
-            let (width, height) = (USUAL_SIDE * aspect.min(1.0), USUAL_SIDE / aspect.max(1.0));
-            [width, height].map(|side| side.round() as u32)
-        }
-    }
 }
