@@ -120,8 +120,8 @@ pub struct TransportOptions {
     /// Chains or mutations that strata restrict in mlt
     #[arg(long, value_enum, default_value_t, help_heading = heading::RESEARCH, hide_short_help = true)]
     pub variant: Variant,
-    /// Perturbations beside the bidirectional mutation in mlt: 'all' that the scene has use for, 'none', or some of lens, multi-chain and
-    /// caustic, with commas between them
+    /// Perturbations beside the bidirectional mutation in mlt: 'all' that the scene has use for, 'none', or some of lens, multi-chain,
+    /// pivot and caustic, with commas between them
     #[arg(long, value_name = "all|none|LIST", default_value_t, help_heading = heading::RESEARCH, hide_short_help = true)]
     pub perturbations: PerturbationList,
     /// Importance that chains sample in proportion to
