@@ -39,9 +39,16 @@ impl Writer {
     }
 
     /// A mesh of some rows of points on a surface, by u and v.
-    fn surface(&mut self, [rows, columns]: [u32; 2], material: usize, at: impl Fn(f64, f64) -> DVec3, round: bool) -> usize {
+    fn surface(
+        &mut self,
+        [rows, columns]: [u32; 2],
+        material: usize,
+        at: impl Fn(f64, f64) -> DVec3,
+        round: bool,
+    ) -> usize {
         let part = |i: u32, n: u32| f64::from(i) / f64::from(n);
-        let grid: Vec<_> = (0..=rows).flat_map(|i| (0..=columns).map(move |j| (part(j, columns), part(i, rows)))).collect();
+        let grid: Vec<_> =
+            (0..=rows).flat_map(|i| (0..=columns).map(move |j| (part(j, columns), part(i, rows)))).collect();
         let quads = (0..rows).flat_map(|i| (0..columns).map(move |j| i * (columns + 1) + j));
         let triangles: Vec<_> = quads
             .flat_map(|a| [[a, a + columns + 2, a + 1], [a, a + columns + 1, a + columns + 2]])
@@ -64,9 +71,7 @@ impl Writer {
 
     fn write(mut self, texture: &[u8]) -> tempfile::TempDir {
         let image = self.view(texture);
-        let factors = |colour: [f64; 3], roughness: f64| {
-            json!({ "baseColorFactor": [colour[0], colour[1], colour[2], 1.0], "metallicFactor": 0, "roughnessFactor": roughness })
-        };
+        let factors = |colour: [f64; 3], roughness: f64| json!({ "baseColorFactor": [colour[0], colour[1], colour[2], 1.0], "metallicFactor": 0, "roughnessFactor": roughness });
         let textured = |mut factors: Value| {
             factors["baseColorTexture"] = json!({ "index": 0 });
             factors
@@ -111,7 +116,9 @@ fn crowd() -> tempfile::TempDir {
         DVec3::new(ring * phi.cos(), theta.cos(), -ring * phi.sin())
     };
     let leaf = |u: f64, v: f64| DVec3::new(u - 0.5, 0.2 * (3.0 * u).sin(), v - 0.5);
-    let sheet = |size: f64, height: f64, up: f64| move |u: f64, v: f64| DVec3::new(size * (u - 0.5), height, up * size * (v - 0.5));
+    let sheet = |size: f64, height: f64, up: f64| {
+        move |u: f64, v: f64| DVec3::new(size * (u - 0.5), height, up * size * (v - 0.5))
+    };
     let mut writer = Writer::default();
     let floor = writer.surface([1, 1], 0, sheet(12.0, 0.0, 1.0), false);
     let lamp = writer.surface([1, 1], 1, sheet(3.0, 5.0, -1.0), false);
@@ -160,7 +167,8 @@ fn shared_and_baked_copies_look_the_same() {
     // The same random numbers find the same paths, but for rounding.
     for method in [Method::Path, Method::Bidirectional] {
         let settings = settings(method, Whole, 4.0);
-        let [baked, shared, wrong] = [&baked, &shared, &wrong].map(|world| replicas(world, SIZE, &settings, 0..4).images);
+        let [baked, shared, wrong] =
+            [&baked, &shared, &wrong].map(|world| replicas(world, SIZE, &settings, 0..4).images);
         let differing = |other: &[Vec<f64>]| {
             let pairs = || baked.iter().flatten().zip(other.iter().flatten());
             pairs().filter(|(a, b)| (*a - *b).abs() > 1e-3 * a.abs()).count() as f64 / pairs().count() as f64

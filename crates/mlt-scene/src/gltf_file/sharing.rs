@@ -96,6 +96,7 @@ impl Prototypes {
                 ));
             }
         }
+        self.prototypes.retain(|prototype| !prototype.places.is_empty());
         self.prototypes
     }
 }

@@ -15,7 +15,7 @@ use obvhs::aabb::Aabb;
 /// Copies of shapes.
 #[derive(Debug, Default)]
 pub(crate) struct Copies {
-    /// What is copied.
+    /// The shapes.
     pub shapes: Vec<Accel>,
     /// Of each copy its shape's number and where it stands.
     pub places: Vec<(u32, Placement)>,

@@ -65,7 +65,7 @@ pub struct Accel {
     instructions: InstructionSet,
 }
 
-/// What a structure holds.
+/// Contents of a structure.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     /// Triangles of similar sizes.
@@ -131,8 +131,7 @@ impl Accel {
         }
     }
 
-    /// The nearest hit among the triangles and the copies. By value: what a call refers to has to lie in memory even where it is not
-    /// made.
+    /// The nearest hit among the triangles and the copies. Takes the ray by value: a reference would keep it out of registers.
     #[inline(never)]
     fn closest_of_all(&self, ray: Ray) -> Option<Hit> {
         let own = closest(self.instructions, Triangles::<true>(&self.tree), &ray);

@@ -57,7 +57,7 @@ impl From<Segment> for Ray {
     }
 }
 
-/// What can be walked.
+/// A structure that rays can walk.
 pub(super) trait Structure: Copy {
     /// The nearest hit of a sound ray.
     fn nearest<S: Simd>(self, simd: S, ray: &Segment) -> Option<Hit>;
@@ -65,7 +65,7 @@ pub(super) trait Structure: Copy {
     fn any<S: Simd>(self, simd: S, ray: &Segment) -> bool;
 }
 
-/// What the leaves of a tree hold, for one ray.
+/// The leaves of a tree, as one ray meets them.
 pub(super) trait Leaves<S: Simd> {
     /// Ray parameter of the nearest hit so far; of none: the ray's end.
     fn t(&self) -> f32;

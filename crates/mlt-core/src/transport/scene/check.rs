@@ -48,7 +48,8 @@ pub(super) fn check(description: &SceneDescription) -> Result<(), UnusableScene>
         return Err(UnusableScene::TooLarge(held));
     }
     let copied = |prototype: &Prototype| prototype.triangles().saturating_mul(prototype.places.len());
-    let seen = description.prototypes.iter().map(copied).fold(held, usize::saturating_add);
+    let own = description.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    let seen = description.prototypes.iter().map(copied).fold(own, usize::saturating_add);
     if seen > Scene::MOST_WITH_COPIES {
         return Err(UnusableScene::TooManyCopies(seen));
     }

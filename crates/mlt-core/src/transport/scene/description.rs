@@ -43,7 +43,7 @@ impl Prototype {
 pub struct SceneDescription {
     /// Triangles, world space.
     pub meshes: Vec<Mesh>,
-    /// What stands in several places.
+    /// Meshes that stand in several places.
     pub prototypes: Vec<Prototype>,
     /// Referred to by the meshes.
     pub materials: Vec<Material>,

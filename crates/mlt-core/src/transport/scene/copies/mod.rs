@@ -1,4 +1,4 @@
-//! Copies of shapes: what stands in several places is held once.
+//! Copies of shapes: meshes that stand in several places are held once.
 //!
 //! A shape's triangles have coordinates of their own, near the origin, as the scene has. What depends on the triangles alone is found
 //! there once: ties, errors, the tree. A hit becomes a vertex there, which is then mapped to the scene.
@@ -14,7 +14,7 @@ use crate::transport::accel::{Accel, Copies};
 use crate::transport::geometry::{Hit, Placement, Ray, Space, Vertex, points};
 use glam::DAffine3;
 
-/// What stands in several places.
+/// Triangles that stand in several places.
 #[derive(Debug)]
 pub(super) struct Shape {
     triangles: Triangles,
@@ -70,7 +70,7 @@ impl Scene {
         }
     }
 
-    /// The vertex of a hit on a copy. By value: what a call refers to has to lie in memory even where it is not made.
+    /// The vertex of a hit on a copy. Takes both by value: a reference would keep them out of registers.
     #[inline(never)]
     pub(super) fn vertex_of_copy(&self, hit: Hit, ray: Ray) -> Vertex {
         let instance = self.accel.instance(hit.primitive).expect("what is hit is a triangle of the scene");

@@ -221,3 +221,18 @@ fn vertices_of_copies_are_those_in_world_space() {
         assert!(worst(&control) > 0.04, "{place:?}: {}", worst(&control));
     }
 }
+
+#[test]
+fn prototypes_that_cannot_be_are_refused() {
+    let triangle = Mesh { name: "bulb".to_owned(), ..quad([DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Y]) };
+    let error = |emission, triangles: usize, places: usize| {
+        let mesh = Mesh { triangles: vec![[0, 1, 2]; triangles], ..triangle.clone() };
+        let prototype = Prototype { meshes: vec![mesh], places: vec![DAffine3::IDENTITY; places] };
+        let materials = vec![Material { emission, ..Material::default() }];
+        let description = SceneDescription { prototypes: vec![prototype], materials, ..SceneDescription::default() };
+        Scene::new(description).unwrap_err().to_string()
+    };
+    assert!(error(Rgb::ONE, 1, 2).contains("mesh \"bulb\" stands in several places and emits light"));
+    assert!(error(Rgb::ZERO, 1 << 16, (1 << 15) + 1).contains("2147549184 triangles, copies included; at most 2147483648"));
+    assert!(error(Rgb::ZERO, 1, 2).contains("no light"));
+}
