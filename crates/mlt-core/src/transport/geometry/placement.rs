@@ -64,22 +64,20 @@ impl Placement {
         self.to_scene.transform_vector3(vector.as_dvec3()).as_vec3a()
     }
 
-    /// A vertex of the shape in the scene.
+    /// A unit normal of the shape in the scene.
+    pub(crate) fn normal(&self, normal: Vec3A) -> Vec3A {
+        (self.to_shape.matrix3.transpose() * normal.as_dvec3()).normalize_or_zero().as_vec3a()
+    }
+
+    /// A vertex of the shape in the scene. Its shading normal is the triangle's own.
     pub(crate) fn vertex(&self, vertex: Vertex) -> Vertex {
-        let to_normal = self.to_shape.matrix3.transpose();
-        let [normal, shading] = [vertex.geometric_normal, vertex.shading_normal].map(|n| to_normal * n.as_dvec3());
+        let normal = self.to_shape.matrix3.transpose() * vertex.geometric_normal.as_dvec3();
         let length = normal.length();
         let position = self.to_scene.transform_point3(vertex.position.as_dvec3()).as_vec3a();
         let gamma = vertex.geometric_normal.as_dvec3().abs().dot(self.spread) / length;
         let error = f64::from(vertex.error) / length + f64::from(ERROR_FACTOR * position.abs().max_element()) * gamma;
-        let shading = shading.normalize_or(normal / length) * 1f64.copysign(shading.dot(normal));
-        Vertex {
-            position,
-            geometric_normal: (normal / length).as_vec3a(),
-            shading_normal: shading.as_vec3a(),
-            error: error as f32,
-            ..vertex
-        }
+        let normal = (normal / length).as_vec3a();
+        Vertex { position, geometric_normal: normal, shading_normal: normal, error: error as f32, ..vertex }
     }
 
     /// The scene's box around a box of the shape, with room for what rounding does to rays.

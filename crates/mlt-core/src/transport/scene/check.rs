@@ -4,6 +4,8 @@ use super::Scene;
 use super::description::{Prototype, SceneDescription};
 use super::textures::Map;
 use crate::transport::geometry::Mesh;
+use glam::DAffine3;
+use std::collections::HashSet;
 
 /// Fault that makes a scene unusable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -74,14 +76,17 @@ pub(super) fn check(description: &SceneDescription) -> Result<(), UnusableScene>
     }
 }
 
-/// Drops meshes of opacity 0, where no surface is, and copies that have no place.
+/// Drops meshes of opacity 0, where no surface is, and copies that have no place or stand where another one does.
 pub(super) fn drop_invisible(description: &mut SceneDescription) {
     let SceneDescription { meshes, prototypes, materials, .. } = description;
     let is_visible = |mesh: &Mesh| materials[mesh.material as usize].opacity > 0.0;
     meshes.retain(is_visible);
     for Prototype { meshes, places } in &mut *prototypes {
         meshes.retain(is_visible);
+        let mut taken = HashSet::new();
+        let is_free = |place: &DAffine3| taken.insert(place.to_cols_array().map(f64::to_bits));
         places.retain(|place| Prototype::can_stand_at(*place));
+        places.retain(is_free);
     }
     prototypes.retain(|prototype| prototype.triangles() > 0 && !prototype.places.is_empty());
 }

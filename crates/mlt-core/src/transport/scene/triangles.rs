@@ -80,12 +80,14 @@ impl Triangles {
     #[inline(always)]
     fn interpolated(&self, hit: &Hit) -> Vertex {
         let p = &self.primitives[hit.primitive as usize];
-        let mix = |corners: [Vec3; 3]| {
-            let [a, b, c] = corners.map(Vec3A::from);
-            (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c
-        };
-        let smooth = (p.normals != FLAT).then(|| mix(self.normals[p.normals as usize]));
-        self.vertex_at(hit.primitive, mix(p.vertices), smooth)
+        let weights = [hit.u, hit.v];
+        let smooth = (p.normals != FLAT).then(|| mix(self.normals[p.normals as usize].map(Vec3A::from), weights));
+        self.vertex_at(hit.primitive, mix(p.vertices.map(Vec3A::from), weights), smooth)
+    }
+
+    /// Normals at the corners of a triangle; `None`: its own.
+    pub(super) fn normals(&self, primitive: u32) -> Option<[Vec3; 3]> {
+        self.normals.get(self.primitives[primitive as usize].normals as usize).copied()
     }
 
     /// The vertex at a position on a triangle; without a smooth normal its shading normal is the triangle's own.
@@ -95,7 +97,7 @@ impl Triangles {
         let normal = Vec3A::from(p.normal);
         let shading_normal = match smooth_normal {
             None => normal,
-            Some(n) => n.normalize_or(normal) * 1f32.copysign(n.dot(normal)),
+            Some(smooth) => on_side_of(normal, smooth),
         };
         Vertex {
             position,
@@ -110,4 +112,16 @@ impl Triangles {
             place: Place::Surface,
         }
     }
+}
+
+/// The point between three with these weights of the second and third.
+#[inline(always)]
+pub(super) fn mix([a, b, c]: [Vec3A; 3], [u, v]: [f32; 2]) -> Vec3A {
+    (1.0 - u - v) * a + u * b + v * c
+}
+
+/// The unit vector along `smooth`, of any length, or against it, that is on the side of a normal.
+#[inline(always)]
+pub(super) fn on_side_of(normal: Vec3A, smooth: Vec3A) -> Vec3A {
+    smooth.normalize_or(normal) * 1f32.copysign(smooth.dot(normal))
 }

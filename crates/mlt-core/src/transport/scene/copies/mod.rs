@@ -9,7 +9,7 @@ mod tests;
 use super::Scene;
 use super::description::SceneDescription;
 use super::primitive::Primitive;
-use super::triangles::Triangles;
+use super::triangles::{Triangles, mix, on_side_of};
 use crate::transport::accel::{Accel, Copies};
 use crate::transport::geometry::{Hit, Placement, Ray, Space, Vertex, points};
 use glam::DAffine3;
@@ -79,8 +79,13 @@ impl Scene {
         let triangles = &self.shapes[instance.shape].triangles;
         let found = triangles.vertex(&self.materials, &in_shape, &placement.ray(&ray));
         let (vertex, weights) = found.expect("the shape has the triangle");
+        let corner_normals = triangles.normals(vertex.primitive);
         // No copy emits, and only of lights is it asked later what else is in their place.
         let mut vertex = Vertex { primitive: first + vertex.primitive, shared: false, ..placement.vertex(vertex) };
+        if let Some(normals) = corner_normals {
+            let smooth = mix(normals.map(|n| placement.normal(n.into())), weights);
+            vertex.shading_normal = on_side_of(vertex.geometric_normal, smooth);
+        }
         if self.needs.normal_maps {
             vertex.shading_normal = self.bent_normal(vertex, weights);
         }

@@ -61,7 +61,7 @@ fn direction(rng: &mut impl Rng) -> Vec3 {
     Vec3::from_array([0; 3].map(|_| uniform(rng) as f32 - 0.5)).normalize()
 }
 
-/// Share of rays between two copies of which two structures say different things.
+/// Share of rays from one copy to another of which two structures say different things.
 fn differing(a: &Accel, b: &Accel) -> f64 {
     let mut rng = generator(1, Purpose::Sample, 0, 0, 0);
     let places = places();
@@ -72,15 +72,15 @@ fn differing(a: &Accel, b: &Accel) -> f64 {
     let rays = 4000;
     let differs = |_: &i32| {
         let origin = point(3.0);
-        let ray = Ray { t_max: 2.0, ..Ray::new(origin, point(0.9) - origin) };
-        let agree = |a: Hit, b: Hit| a.primitive == b.primitive && (a.t - b.t).abs() < 1e-4 * b.t;
+        let ray = Ray { t_max: 2.0, ..Ray::new(origin, point(0.5) - origin) };
         let found = [a, b].map(|accel| accel.closest(&ray));
-        [a, b]
-            .iter()
-            .zip(found)
-            .for_each(|(accel, found)| assert_eq!(accel.occluded(&ray), found.is_some(), "{ray:?}"));
+        [a, b].iter().zip(found).for_each(|(accel, hit)| assert_eq!(accel.occluded(&ray), hit.is_some(), "{ray:?}"));
         match found {
-            [Some(a), Some(b)] => !agree(a, b),
+            [Some(a), Some(b)] => {
+                // In world space corners are rounded.
+                let rounding = 1e-5 * origin.abs().max_element();
+                (a.t - b.t).abs() * ray.direction.length() > rounding
+            }
             [a, b] => a.is_some() != b.is_some(),
         }
     };
@@ -140,10 +140,10 @@ fn scene(mesh: Mesh, material: Material, places: Vec<DAffine3>, shared: bool) ->
     Scene::new(description).expect("a scene")
 }
 
-/// Vertices where rays from around a unit ball meet its copy at a place.
-fn vertices<'a>(scene: &'a Scene, place: &'a DAffine3, seed: u64) -> impl Iterator<Item = Vertex> + 'a {
+/// Vertices where rays from around a unit ball meet its copy at a place; a few may miss it.
+fn vertices<'a>(scene: &'a Scene, place: &'a DAffine3, seed: u64) -> impl Iterator<Item = Option<Vertex>> + 'a {
     let mut rng = generator(seed, Purpose::Sample, 0, 0, 0);
-    (0..1000).filter_map(move |_| {
+    (0..1000).map(move |_| {
         let [from, to] = [1.5, 0.8].map(|size| size * direction(&mut rng).as_dvec3());
         let [from, to] = [from, to].map(|p| scene.space.point(place.transform_point3(p)));
         scene.trace_ray(from.into(), (to - from).normalize().into()).filter(|vertex| !vertex.emits)
@@ -157,22 +157,23 @@ fn the_error_of_a_vertex_is_within_its_bound() {
     let mut rng = generator(3, Purpose::Sample, 0, 0, 0);
     let mut control = 0;
     for (i, place) in places().iter().enumerate() {
-        let mut found = 0;
-        for vertex in vertices(&scene, place, 4) {
+        let (mut found, mut lost) = (0, 0);
+        for vertex in vertices(&scene, place, 4).flatten() {
             let towards = Vec3A::from(direction(&mut rng));
             let outwards = towards * 1f32.copysign(towards.dot(vertex.geometric_normal));
-            let copy = |v: Vertex| v.primitive / 90;
-            let meets_itself = |from: &Vertex| scene.trace(from, outwards).is_some_and(|hit| copy(hit) == copy(vertex));
-            assert!(!meets_itself(&vertex), "{i} {vertex:?} {outwards}");
-            control += usize::from(meets_itself(&Vertex { error: 0.0, ..vertex }));
-            // The error of a small copy far away is larger than the copy, as it is in world space.
-            assert!(
-                i == 5 || scene.trace(&vertex, -outwards).is_some_and(|hit| copy(hit) == copy(vertex)),
-                "{i} {vertex:?}"
-            );
+            // The lamp has two triangles, each ball 90.
+            let copy = |v: Vertex| (v.primitive - 2) / 90;
+            let meets_itself = |from: &Vertex, towards: Vec3A| {
+                scene.trace(from, towards).is_some_and(|hit| !hit.emits && copy(hit) == copy(vertex))
+            };
+            assert!(!meets_itself(&vertex, outwards), "{i} {vertex:?} {outwards}");
+            control += usize::from(meets_itself(&Vertex { error: 0.0, ..vertex }, outwards));
+            lost += usize::from(!meets_itself(&vertex, -outwards));
             found += 1;
         }
         assert!(found > 500, "{i}: {found}");
+        // Next to a sharp edge a ray may start behind the other side.
+        assert!(lost <= 20, "{i}: {lost}");
     }
     assert!(control > 500, "{control}");
 }
@@ -198,17 +199,18 @@ fn vertices_of_copies_are_those_in_world_space() {
             .map(|(place, shared)| scene(mesh.clone(), material.clone(), vec![place], shared));
         let worst = |other: &Scene| {
             let pairs = vertices(&baked, &place, 5).zip(vertices(other, &place, 5));
-            let size =
-                (baked.space.point(place.translation) - baked.space.point(place.transform_point3(DVec3::ONE))).length();
+            let size = place.translation.distance(place.transform_point3(DVec3::ONE));
+            let world = |scene: &Scene, v: &Vertex| scene.space.to_world().transform_point3(v.position.as_dvec3());
             let differences: Vec<_> = pairs
-                .map(|(a, b)| {
+                .filter_map(|(a, b)| {
+                    let (a, b) = (a?, b?);
                     let uv = baked.coordinates(&a).uv[0].distance(other.coordinates(&b).uv[0]);
-                    let position = a.position.distance(b.position) / size;
+                    let position = (world(&baked, &a).distance(world(other, &b)) / size) as f32;
                     let normals = a
                         .geometric_normal
                         .distance(b.geometric_normal)
                         .max(a.shading_normal.distance(b.shading_normal));
-                    position.max(normals).max(uv)
+                    Some(position.max(normals).max(uv))
                 })
                 .collect();
             assert!(differences.len() > 500);
@@ -233,6 +235,8 @@ fn prototypes_that_cannot_be_are_refused() {
         Scene::new(description).unwrap_err().to_string()
     };
     assert!(error(Rgb::ONE, 1, 2).contains("mesh \"bulb\" stands in several places and emits light"));
-    assert!(error(Rgb::ZERO, 1 << 16, (1 << 15) + 1).contains("2147549184 triangles, copies included; at most 2147483648"));
+    assert!(
+        error(Rgb::ZERO, 1 << 16, (1 << 15) + 1).contains("2147549184 triangles, copies included; at most 2147483648")
+    );
     assert!(error(Rgb::ZERO, 1, 2).contains("no light"));
 }
