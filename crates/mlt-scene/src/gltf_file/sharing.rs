@@ -1,8 +1,8 @@
 //! Which meshes are held in memory once, wherever they stand.
 //!
 //! A copy that shares its mesh costs some hundred bytes, whatever the mesh; but rays find the triangles sooner where all lie in world
-//! space, and neighbours that are held there have their common edges in the same place. So meshes are shared only where the scene is
-//! large, and small meshes never.
+//! space, and neighbours that are held there have their common edges in the same place. So meshes are shared only where that saves much,
+//! and small meshes never.
 
 use super::{graph::Placed, instance, primitive::triangle_count, unsupported};
 use crate::{Copies, SceneError, geometry::is_usable};
@@ -10,43 +10,43 @@ use glam::{DAffine3, DMat4};
 use gltf::{Document, Mesh, Node, Primitive};
 use mlt_core::transport::geometry;
 use mlt_core::transport::scene::Prototype;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-/// Triangles, counted as often as they are seen, of a scene whose meshes are not shared.
-const SMALL_SCENE: usize = 1 << 20;
+/// Triangles that sharing has to save.
+const LEAST_SAVED: usize = 1 << 20;
 /// Triangles of a mesh from which on it is shared.
 const LEAST_MESH: usize = 64;
 
 /// Which meshes of a document are held once.
 pub(super) struct Sharing {
-    /// How often each of them stands somewhere.
-    shared: HashMap<usize, usize>,
+    /// Their indices.
+    shared: HashSet<usize>,
 }
 
 impl Sharing {
     /// For the meshes at these nodes.
     pub(super) fn new(document: &Document, nodes: &[Placed], copies: Copies) -> Self {
         let least = if copies == Copies::Shared { 1 } else { LEAST_MESH };
-        let (mut shared, mut seen) = (HashMap::new(), 0usize);
+        // Of each mesh its triangles, and how often it stands somewhere.
+        let mut meshes = HashMap::new();
         for (node, mesh) in nodes.iter().filter_map(|(node, _)| Some((node, node.mesh()?))) {
-            let count = instance::count(document, node);
-            seen = seen.saturating_add(triangles(&mesh).saturating_mul(count));
-            if is_rigid(document, node, &mesh) && triangles(&mesh) >= least {
-                *shared.entry(mesh.index()).or_insert(0usize) += count;
+            if is_rigid(document, node, &mesh) {
+                meshes.entry(mesh.index()).or_insert((triangles(&mesh), 0usize)).1 += instance::count(document, node);
             }
         }
-        shared.retain(|_, count| *count > 1);
+        meshes.retain(|_, (triangles, count)| *triangles >= least && *count > 1);
+        let saved = |(triangles, count): &(usize, usize)| triangles.saturating_mul(count - 1);
         let shares = match copies {
-            Copies::Auto => seen > SMALL_SCENE,
+            Copies::Auto => meshes.values().map(saved).fold(0, usize::saturating_add) >= LEAST_SAVED,
             Copies::Shared => true,
             Copies::Baked => false,
         };
-        Self { shared: if shares { shared } else { HashMap::new() } }
+        Self { shared: if shares { meshes.into_keys().collect() } else { HashSet::new() } }
     }
 
     /// Whether a primitive of a node's mesh is held once; lights are not.
     pub(super) fn holds(&self, document: &Document, (node, mesh): (&Node, &Mesh), primitive: &Primitive) -> bool {
-        self.shared.contains_key(&mesh.index())
+        self.shared.contains(&mesh.index())
             && is_rigid(document, node, mesh)
             && !unsupported::emits(&primitive.material())
     }
@@ -101,9 +101,10 @@ impl Prototypes {
     }
 }
 
-/// Triangles of a mesh at most, known without its data.
+/// Triangles of a mesh at most, known without its data; those of lights do not count.
 fn triangles(mesh: &Mesh) -> usize {
-    mesh.primitives().map(|primitive| triangle_count(&primitive)).fold(0, usize::saturating_add)
+    let dark = mesh.primitives().filter(|primitive| !unsupported::emits(&primitive.material()));
+    dark.map(|primitive| triangle_count(&primitive)).fold(0, usize::saturating_add)
 }
 
 /// Whether a mesh has the same shape wherever it stands.
