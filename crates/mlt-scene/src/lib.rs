@@ -41,7 +41,7 @@ pub use error::SceneError;
 pub use glass::Glass;
 pub use missing::{SCENE_EXTENSIONS, is_scene_file};
 pub use names::{instead_of, meant};
-pub use options::{LightUnits, LoadOptions};
+pub use options::{Copies, LightUnits, LoadOptions};
 pub use text::{MOST_OF_A_MESSAGE, printable};
 
 /// A scene, and what could not be taken over from its file.
@@ -62,9 +62,8 @@ pub struct Loaded {
 impl Loaded {
     /// Leaves nothing in names and warnings that would control a terminal. Cameras keep their names, to be chosen by.
     fn make_printable(&mut self) {
-        let SceneDescription { meshes, materials, .. } = &mut self.description;
-        let names = meshes.iter_mut().map(|m| &mut m.name).chain(materials.iter_mut().map(|m| &mut m.name));
-        names.for_each(|name| *name = text::shown(name));
+        self.description.all_meshes_mut().for_each(|mesh| mesh.name = text::shown(&mesh.name));
+        self.description.materials.iter_mut().for_each(|material| material.name = text::shown(&material.name));
         self.warnings.iter_mut().for_each(|warning| *warning = printable(warning, MOST_OF_A_MESSAGE));
     }
 }

@@ -15,6 +15,7 @@ mod meshopt;
 mod parse;
 mod primitive;
 mod shape;
+mod sharing;
 mod texture;
 mod unsupported;
 
@@ -29,7 +30,8 @@ use material::Used;
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::scene::SceneDescription;
 use shape::Standing;
-use std::collections::HashMap;
+use sharing::{Prototypes, Sharing};
+use std::collections::{HashMap, HashSet};
 use texture::Files;
 
 /// The remedy for a file that contradicts itself.
@@ -53,7 +55,8 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     let cameras = camera::poses(&nodes, &others, &mut warnings);
     let lights = light::lights(document, &nodes, options.light_units, &mut warnings);
     let worlds = nodes.iter().chain(&others).map(|(node, to_world)| (node.index(), *to_world)).collect();
-    let surfaces = surfaces(&files, &mut reader, &nodes, (&pose, &worlds), &mut warnings)?;
+    let sharing = Sharing::new(document, &nodes, options.copies);
+    let surfaces = surfaces(&files, &mut reader, (&nodes, &sharing), (&pose, &worlds), &mut warnings)?;
     let mut description = SceneDescription { cameras, ..surfaces };
     light::add(lights, source, &mut description)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
@@ -64,30 +67,41 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
 fn surfaces(
     files: &Files,
     reader: &mut Reader,
-    nodes: &[Placed],
+    (nodes, sharing): (&[Placed], &Sharing),
     (pose, worlds): (&Pose, &HashMap<usize, DMat4>),
     warnings: &mut Vec<String>,
 ) -> Result<SceneDescription, SceneError> {
     let document = &files.parsed.document;
-    take_memory(files.source, document, nodes)?;
+    take_memory(files.source, document, nodes, sharing)?;
     let (materials, textures) = material::materials(files, &used(document, nodes), warnings)?;
     let mut scene = SceneDescription { materials, textures, ..SceneDescription::default() };
+    let mut prototypes = Prototypes::default();
     for placed @ (node, _) in nodes {
         warnings.extend(unsupported::in_node(node));
         let Some(mesh) = node.mesh() else { continue };
         let (weights, joints) = (pose.weights(node), shape::joints(reader, document, node, worlds, warnings)?);
         let mut standing = Standing { to_world: DMat4::IDENTITY, joints, weights };
-        for to_world in instance::places(reader, document, placed, warnings)? {
+        let places = instance::places(reader, document, placed, warnings)?;
+        let mut surface = |standing: &Standing, primitive: &Primitive| -> Result<_, SceneError> {
+            let material = material_of(document, primitive);
+            let textured = scene.materials[material].textured.is_some();
+            let mesh = primitive::mesh(reader, (node, standing), primitive, textured, warnings)?;
+            Ok(mesh.map(|m| Mesh { material: material as u32, ..m }))
+        };
+        let (held, baked): (Vec<_>, Vec<_>) =
+            mesh.primitives().partition(|p| sharing.holds(document, (node, &mesh), p));
+        if !held.is_empty() {
+            prototypes.add(mesh.index(), &places, || held.iter().map(|p| surface(&standing, p)).collect())?;
+        }
+        for to_world in places {
             standing.to_world = to_world;
-            for primitive in mesh.primitives() {
-                let material = material_of(document, &primitive);
-                let textured = scene.materials[material].textured.is_some();
-                let mesh = primitive::mesh(reader, (node, &standing), &primitive, textured, warnings)?;
-                scene.meshes.extend(mesh.map(|m| Mesh { material: material as u32, ..m }));
+            for primitive in &baked {
+                scene.meshes.extend(surface(&standing, primitive)?);
             }
         }
     }
-    if scene.meshes.is_empty() {
+    scene.prototypes = prototypes.usable(warnings);
+    if scene.meshes.is_empty() && scene.prototypes.is_empty() {
         warnings.push("the scene has no triangles".to_owned());
     }
     Ok(scene)
@@ -108,15 +122,23 @@ fn used(document: &Document, nodes: &[Placed]) -> Used {
     used
 }
 
-/// Takes the memory for the primitives, counted at each node that shows them, as often as it does.
-fn take_memory(source: &Source, document: &Document, nodes: &[Placed]) -> Result<(), SceneError> {
-    let mut size = GeometrySize::default();
-    let meshes = nodes.iter().filter_map(|(node, _)| Some((instance::count(document, node), node.mesh()?)));
-    for (copies, primitive) in meshes.flat_map(|(copies, mesh)| mesh.primitives().map(move |p| (copies, p))) {
-        let textured = [Semantic::TexCoords(0), Semantic::Colors(0)].iter().any(|s| primitive.get(s).is_some());
-        let material = primitive.material();
-        let emits = material.emissive_factor() != [0.0; 3] || unsupported::is_unlit(&material);
-        size.add(primitive::triangle_count(&primitive).saturating_mul(copies), emits, textured);
+/// Takes the memory for the primitives, counted at each node that shows them, as often as it does, if they are not held once.
+fn take_memory(source: &Source, document: &Document, nodes: &[Placed], sharing: &Sharing) -> Result<(), SceneError> {
+    let (mut size, mut known) = (GeometrySize::default(), HashSet::new());
+    for (node, mesh) in nodes.iter().filter_map(|(node, _)| Some((node, node.mesh()?))) {
+        let copies = instance::count(document, node);
+        for primitive in mesh.primitives() {
+            let textured = [Semantic::TexCoords(0), Semantic::Colors(0)].iter().any(|s| primitive.get(s).is_some());
+            let times = match sharing.holds(document, (node, &mesh), &primitive) {
+                true => {
+                    size.add_copies(copies);
+                    usize::from(known.insert((mesh.index(), primitive.index())))
+                }
+                false => copies,
+            };
+            let triangles = primitive::triangle_count(&primitive).saturating_mul(times);
+            size.add(triangles, unsupported::emits(&primitive.material()), textured);
+        }
     }
     size.take(source)
 }
