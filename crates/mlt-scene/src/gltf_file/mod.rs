@@ -18,7 +18,11 @@ mod shape;
 mod texture;
 mod unsupported;
 
-use crate::{LoadOptions, Loaded, SceneError, geometry::GeometrySize, source::Source};
+use crate::{
+    LoadOptions, Loaded, SceneError,
+    geometry::GeometrySize,
+    source::{Hashes, Source},
+};
 use accessor::Reader;
 use animation::Pose;
 use buffer::Buffers;
@@ -27,7 +31,8 @@ use gltf::{Document, Primitive, Semantic};
 use graph::{Graph, Placed};
 use material::Used;
 use mlt_core::transport::geometry::Mesh;
-use mlt_core::transport::scene::SceneDescription;
+use mlt_core::transport::scene::{Material, SceneDescription, Texture};
+use parse::Parsed;
 use shape::Standing;
 use std::collections::HashMap;
 use texture::Files;
@@ -35,13 +40,30 @@ use texture::Files;
 /// The remedy for a file that contradicts itself.
 const CHECK: &str = "export the scene again or check it with a glTF validator";
 
-/// Loads the scene that is asked for, or that the file shows by default.
-pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, SceneError> {
-    let parsed = parse::parse(source)?;
+/// What a file has at any time of its animations, to be read once.
+#[derive(Debug, Default)]
+pub(crate) struct Kept {
+    parsed: Option<Parsed>,
+    surfaces: Option<Surfaces>,
+    hashes: Hashes,
+}
+
+/// Materials and textures, and what could not be taken over of them.
+type Surfaces = (Vec<Material>, Vec<Texture>, Vec<String>);
+
+/// Loads the scene that is asked for, or that the file shows by default, and keeps what stays the same at other times; the
+/// other options have to be the same then.
+pub(crate) fn load(source: &Source, options: &LoadOptions, kept: &mut Kept) -> Result<Loaded, SceneError> {
+    let Kept { parsed, surfaces: kept_surfaces, hashes } = kept;
+    source.note(hashes);
+    let parsed = match parsed {
+        Some(parsed) => &*parsed,
+        none => none.insert(parse::parse(source)?),
+    };
     let document = &parsed.document;
-    let buffers = Buffers::new(source, &parsed);
-    let files = Files { source, parsed: &parsed, buffers: &buffers };
-    let mut reader = Reader::new(source, &parsed, &buffers);
+    let buffers = Buffers::new(source, parsed);
+    let files = Files { source, parsed, buffers: &buffers };
+    let mut reader = Reader::new(source, parsed, &buffers);
     let mut warnings = unsupported::in_document(document, options.time_in_animation.is_some());
     let pose = match options.time_in_animation {
         Some(time) => Pose::at(&mut reader, document, time, &mut warnings)?,
@@ -53,25 +75,37 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     let cameras = camera::poses(&nodes, &others, &mut warnings);
     let lights = light::lights(document, &nodes, options.light_units, &mut warnings);
     let worlds = nodes.iter().chain(&others).map(|(node, to_world)| (node.index(), *to_world)).collect();
-    let surfaces = surfaces(&files, &mut reader, &nodes, (&pose, &worlds), &mut warnings)?;
-    let mut description = SceneDescription { cameras, ..surfaces };
+    take_memory(source, document, &nodes)?;
+    let (materials, textures, left_out) = match kept_surfaces {
+        Some(kept) => kept.clone(),
+        none => none.insert(surfaces(&files, &nodes)?).clone(),
+    };
+    warnings.extend(left_out);
+    let surfaces = SceneDescription { materials, textures, ..SceneDescription::default() };
+    let shapes = meshes(&mut reader, &nodes, (&pose, &worlds), &surfaces.materials, &mut warnings)?;
+    let mut description = SceneDescription { cameras, meshes: shapes, ..surfaces };
     light::add(lights, source, &mut description)?;
+    *hashes = source.hashes();
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Loaded { name, description, warnings, digest: source.digest(), neutral_sky: false })
 }
 
-/// The meshes at these nodes, and all materials; `worlds`: where all nodes of the file stand.
-fn surfaces(
-    files: &Files,
+/// The materials that some nodes show.
+fn surfaces(files: &Files, nodes: &[Placed]) -> Result<Surfaces, SceneError> {
+    let mut warnings = Vec::new();
+    let (materials, textures) = material::materials(files, &used(&files.parsed.document, nodes), &mut warnings)?;
+    Ok((materials, textures, warnings))
+}
+
+/// The meshes at these nodes; `worlds`: where all nodes of the file stand.
+fn meshes(
     reader: &mut Reader,
     nodes: &[Placed],
     (pose, worlds): (&Pose, &HashMap<usize, DMat4>),
+    materials: &[Material],
     warnings: &mut Vec<String>,
-) -> Result<SceneDescription, SceneError> {
-    let document = &files.parsed.document;
-    take_memory(files.source, document, nodes)?;
-    let (materials, textures) = material::materials(files, &used(document, nodes), warnings)?;
-    let mut scene = SceneDescription { materials, textures, ..SceneDescription::default() };
+) -> Result<Vec<Mesh>, SceneError> {
+    let (document, mut meshes) = (reader.document(), Vec::new());
     for placed @ (node, _) in nodes {
         warnings.extend(unsupported::in_node(node));
         let Some(mesh) = node.mesh() else { continue };
@@ -81,16 +115,16 @@ fn surfaces(
             standing.to_world = to_world;
             for primitive in mesh.primitives() {
                 let material = material_of(document, &primitive);
-                let textured = scene.materials[material].textured.is_some();
+                let textured = materials[material].textured.is_some();
                 let mesh = primitive::mesh(reader, (node, &standing), &primitive, textured, warnings)?;
-                scene.meshes.extend(mesh.map(|m| Mesh { material: material as u32, ..m }));
+                meshes.extend(mesh.map(|m| Mesh { material: material as u32, ..m }));
             }
         }
     }
-    if scene.meshes.is_empty() {
+    if meshes.is_empty() {
         warnings.push("the scene has no triangles".to_owned());
     }
-    Ok(scene)
+    Ok(meshes)
 }
 
 /// Index of a primitive's material; that of glTF's default one is one behind the last.

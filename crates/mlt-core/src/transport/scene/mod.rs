@@ -19,7 +19,7 @@ mod way;
 use crate::transport::accel::{Accel, coarse_size};
 use crate::transport::geometry::{ERROR_FACTOR, Hit, Place, Ray, Space, Sphere, Vertex};
 use check::{check, drop_invisible, drop_unusable};
-use glam::{Vec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 use primitive::{FLAT, Primitive, primitives};
 use std::cell::Cell;
 use ties::{Surfaces, Ties};
@@ -61,6 +61,13 @@ pub struct Scene {
     needs: Needs,
 }
 
+/// Triangles, and the acceleration structure that was built for them.
+#[derive(Debug)]
+pub struct SceneGeometry {
+    triangles: Vec<[Vec3; 3]>,
+    accel: Accel,
+}
+
 thread_local! {
     static RAYS: Cell<u64> = const { Cell::new(0) };
 }
@@ -87,7 +94,18 @@ impl Scene {
     ///
     /// # Errors
     /// If there is no triangle or no light, or a mesh refers to what is not there.
-    pub fn new(mut description: SceneDescription) -> Result<Self, UnusableScene> {
+    pub fn new(description: SceneDescription) -> Result<Self, UnusableScene> {
+        Self::with_geometry(description, None)
+    }
+
+    /// The same of another scene's acceleration structure, if that was built for the same triangles.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn with_geometry(
+        mut description: SceneDescription,
+        geometry: Option<SceneGeometry>,
+    ) -> Result<Self, UnusableScene> {
         check(&description)?;
         let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
         drop_invisible(&mut description);
@@ -126,7 +144,10 @@ impl Scene {
         if needs.environment || needs.punctual {
             materials.push(Material::default());
         }
-        let accel = Accel::new(&triangles);
+        let accel = match geometry {
+            Some(SceneGeometry { triangles: built, accel }) if built == triangles => accel,
+            _ => Accel::new(&triangles),
+        };
         Ok(Self {
             accel,
             primitives,
@@ -143,6 +164,11 @@ impl Scene {
             dropped,
             needs,
         })
+    }
+
+    /// Keeps the triangles and their acceleration structure, for a scene that may have the same.
+    pub fn into_geometry(self) -> SceneGeometry {
+        SceneGeometry { triangles: self.primitives.iter().map(|p| p.vertices).collect(), accel: self.accel }
     }
 
     /// A camera in this scene, for images of `size` pixels.
@@ -178,6 +204,11 @@ impl Scene {
     /// Number of triangles.
     pub fn triangles(&self) -> usize {
         self.primitives.len()
+    }
+
+    /// World position of a vertex on a surface or on a lens.
+    pub fn world_position(&self, vertex: &Vertex) -> DVec3 {
+        self.space.world(vertex.position.into())
     }
 
     /// Triangles left out because a corner's position was not finite.
