@@ -1,6 +1,7 @@
 //! Radiance: linear pixels of a shared exponent, 1 % fine, with how the image was made in comments.
 //!
-//! A file begins with lines of text up to an empty one; those that begin with # are comments. Source: [Ward91].
+//! A file begins with lines of text up to an empty one; those that begin with # are comments. Source: G. Ward, "Real Pixels", Graphics
+//! Gems II, 1991.
 
 use std::{
     fs::File,

@@ -26,7 +26,7 @@ use crate::{
     kept::{About, Kept, Spent},
     progress::Progress,
     report::{Decision, Provenance, Report},
-    warn,
+    tell, warn,
 };
 
 /// Bytes of a round for each of its mutations: a quarter of an independent sample, whose weight is held twice while it is gathered, and
@@ -191,9 +191,7 @@ impl Session<'_> {
         }
         let written = self.made(sums, false).map_err(Failure::from).and_then(|made| write(self.options, made, sums));
         match written {
-            Ok(report) => {
-                warn(&format!("on request, {} hold {} rounds so far", report.outputs.join(", "), report.rounds))
-            }
+            Ok(report) => tell(&format!("{} rounds so far are in {}\n", report.rounds, report.outputs.join(", "))),
             Err(failure) => warn(&format!("{failure}; the render goes on")),
         }
     }

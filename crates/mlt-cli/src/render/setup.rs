@@ -20,7 +20,7 @@ use crate::{
 /// Bytes a pixel: the film's sums and current round, the image, and the files in the making.
 const BYTES_PER_PIXEL: u64 = 216;
 /// The same for further channels: as they are found, as they are kept, and in a file in the making.
-const BYTES_PER_PIXEL_FEATURES: u64 = 136;
+const BYTES_PER_PIXEL_FEATURES: u64 = 180;
 /// The same for sums that are read from a file or written to one.
 const BYTES_PER_PIXEL_KEPT: u64 = 320;
 
