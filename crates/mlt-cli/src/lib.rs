@@ -8,6 +8,7 @@ use clap::Parser;
 
 pub mod args;
 pub mod bench;
+pub mod denoise;
 pub mod diff;
 mod exit;
 pub mod image;
@@ -26,7 +27,7 @@ pub mod verify;
 
 pub use exit::Failure;
 pub use system::{check_memory, cpu_seconds, memory, require_memory, take_memory};
-pub use terminal::{print, warn, warn_all};
+pub use terminal::{print, tell, warn, warn_all};
 
 /// Runs the program with the arguments of this process.
 pub fn main() -> ExitCode {

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::Context;
 use mlt_scene::printable;
 
 use super::{Kept, read, words};
 use crate::{
     Failure,
     args::{merge::InfoOptions, written::shell_word},
-    output::{self, Format, exr},
+    output::{self, Format},
     print,
 };
 
@@ -19,13 +19,10 @@ type Facts = Vec<(String, String)>;
 /// Prints what the file holds.
 pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     let path = &options.file;
-    let format = output::format_of(path).with_context(|| path.display().to_string()).map_err(Failure::Usage)?;
+    let format = Format::of_file(path).with_context(|| path.display().to_string()).map_err(Failure::Usage)?;
     let facts = match format {
         Format::Sums => of_sums(&read(path)?),
-        Format::Exr => of_image(path).map_err(Failure::Usage)?,
-        Format::Png => {
-            return Err(Failure::Usage(anyhow!("{}: a PNG file says nothing of its render", path.display())));
-        }
+        _ => of_image(path, format).map_err(Failure::Usage)?,
     };
     let text = if options.json {
         let object: serde_json::Map<_, _> = facts.into_iter().map(|(name, value)| (name, value.into())).collect();
@@ -56,12 +53,12 @@ fn of_sums(kept: &Kept) -> Facts {
         .collect()
 }
 
-fn of_image(path: &Path) -> anyhow::Result<Facts> {
-    let file = output::without_panic(|| exr::read(path)).with_context(|| format!("{}: damaged", path.display()))??;
+fn of_image(path: &Path, format: Format) -> anyhow::Result<Facts> {
+    let ([width, height], attributes) = output::read_attributes(path, format)?;
     let of_ours = |(name, value): &(String, String)| Some((name.strip_prefix("mlt.")?.to_owned(), value.clone()));
     let facts = [
-        ("kind".to_owned(), "an OpenEXR image".to_owned()),
-        ("image".to_owned(), format!("{}x{}", file.image.width, file.image.height)),
+        ("kind".to_owned(), format!("{} image", format.in_words())),
+        ("image".to_owned(), format!("{width}x{height}")),
     ];
-    Ok(facts.into_iter().chain(file.attributes.iter().filter_map(of_ours)).collect())
+    Ok(facts.into_iter().chain(attributes.iter().filter_map(of_ours)).collect())
 }

@@ -19,7 +19,11 @@ mod sharing;
 mod texture;
 mod unsupported;
 
-use crate::{LoadOptions, Loaded, SceneError, geometry::GeometrySize, source::Source};
+use crate::{
+    LoadOptions, Loaded, SceneError,
+    geometry::GeometrySize,
+    source::{Hashes, Source},
+};
 use accessor::Reader;
 use animation::Pose;
 use buffer::Buffers;
@@ -28,7 +32,8 @@ use gltf::{Document, Primitive, Semantic};
 use graph::{Graph, Placed};
 use material::Used;
 use mlt_core::transport::geometry::Mesh;
-use mlt_core::transport::scene::SceneDescription;
+use mlt_core::transport::scene::{Material, SceneDescription, Texture};
+use parse::Parsed;
 use shape::Standing;
 use sharing::{Prototypes, Sharing};
 use std::collections::{HashMap, HashSet};
@@ -37,13 +42,30 @@ use texture::Files;
 /// The remedy for a file that contradicts itself.
 const CHECK: &str = "export the scene again or check it with a glTF validator";
 
-/// Loads the scene that is asked for, or that the file shows by default.
-pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, SceneError> {
-    let parsed = parse::parse(source)?;
+/// What a file has at any time of its animations, to be read once.
+#[derive(Debug, Default)]
+pub(crate) struct Kept {
+    parsed: Option<Parsed>,
+    surfaces: Option<Surfaces>,
+    hashes: Hashes,
+}
+
+/// Materials and textures, and what could not be taken over of them.
+type Surfaces = (Vec<Material>, Vec<Texture>, Vec<String>);
+
+/// Loads the scene that is asked for, or that the file shows by default, and keeps what stays the same at other times; the
+/// other options have to be the same then.
+pub(crate) fn load(source: &Source, options: &LoadOptions, kept: &mut Kept) -> Result<Loaded, SceneError> {
+    let Kept { parsed, surfaces: kept_surfaces, hashes } = kept;
+    source.note(hashes);
+    let parsed = match parsed {
+        Some(parsed) => &*parsed,
+        none => none.insert(parse::parse(source)?),
+    };
     let document = &parsed.document;
-    let buffers = Buffers::new(source, &parsed);
-    let files = Files { source, parsed: &parsed, buffers: &buffers };
-    let mut reader = Reader::new(source, &parsed, &buffers);
+    let buffers = Buffers::new(source, parsed);
+    let files = Files { source, parsed, buffers: &buffers };
+    let mut reader = Reader::new(source, parsed, &buffers);
     let mut warnings = unsupported::in_document(document, options.time_in_animation.is_some());
     let pose = match options.time_in_animation {
         Some(time) => Pose::at(&mut reader, document, time, &mut warnings)?,
@@ -56,26 +78,36 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     let lights = light::lights(document, &nodes, options.light_units, &mut warnings);
     let worlds = nodes.iter().chain(&others).map(|(node, to_world)| (node.index(), *to_world)).collect();
     let sharing = Sharing::new(document, &nodes, options.copies);
-    let surfaces = surfaces(&files, &mut reader, (&nodes, &sharing), (&pose, &worlds), &mut warnings)?;
-    let mut description = SceneDescription { cameras, ..surfaces };
+    take_memory(source, document, &nodes, &sharing)?;
+    let (materials, textures, left_out) = match kept_surfaces {
+        Some(kept) => kept.clone(),
+        none => none.insert(surfaces(&files, &nodes)?).clone(),
+    };
+    warnings.extend(left_out);
+    let surfaces = SceneDescription { cameras, materials, textures, ..SceneDescription::default() };
+    let mut description = with_meshes(surfaces, &mut reader, (&nodes, &sharing), (&pose, &worlds), &mut warnings)?;
     light::add(lights, source, &mut description)?;
+    *hashes = source.hashes();
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Loaded { name, description, warnings, digest: source.digest(), neutral_sky: false })
 }
 
-/// The meshes at these nodes, and all materials; `worlds`: where all nodes of the file stand.
-fn surfaces(
-    files: &Files,
+/// The materials that some nodes show.
+fn surfaces(files: &Files, nodes: &[Placed]) -> Result<Surfaces, SceneError> {
+    let mut warnings = Vec::new();
+    let (materials, textures) = material::materials(files, &used(&files.parsed.document, nodes), &mut warnings)?;
+    Ok((materials, textures, warnings))
+}
+
+/// Adds the meshes at these nodes to a scene that has their materials; `worlds`: where all nodes of the file stand.
+fn with_meshes(
+    mut scene: SceneDescription,
     reader: &mut Reader,
     (nodes, sharing): (&[Placed], &Sharing),
     (pose, worlds): (&Pose, &HashMap<usize, DMat4>),
     warnings: &mut Vec<String>,
 ) -> Result<SceneDescription, SceneError> {
-    let document = &files.parsed.document;
-    take_memory(files.source, document, nodes, sharing)?;
-    let (materials, textures) = material::materials(files, &used(document, nodes), warnings)?;
-    let mut scene = SceneDescription { materials, textures, ..SceneDescription::default() };
-    let mut prototypes = Prototypes::default();
+    let (document, mut prototypes) = (reader.document(), Prototypes::default());
     for placed @ (node, _) in nodes {
         warnings.extend(unsupported::in_node(node));
         let Some(mesh) = node.mesh() else { continue };

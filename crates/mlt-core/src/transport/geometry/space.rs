@@ -40,6 +40,11 @@ impl Space {
         (world * self.scale) as f32
     }
 
+    /// The world position of a point in these coordinates.
+    pub(crate) fn world(&self, point: Vec3) -> DVec3 {
+        point.as_dvec3() / self.scale + self.origin
+    }
+
     /// A world position in these coordinates.
     pub(crate) fn point(&self, world: DVec3) -> Vec3 {
         ((world - self.origin) * self.scale).as_vec3()

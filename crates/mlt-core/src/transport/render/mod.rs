@@ -1,5 +1,7 @@
 //! A whole render: a method, its settings, and what it counted.
 
+mod features;
+
 use crate::engine::{Ending, Outcome, Standing, Watch};
 use crate::transport::methods::auto::{Auto, Plan, Summary};
 use crate::transport::methods::metropolis::PathMetropolis;
@@ -9,6 +11,7 @@ use crate::transport::scene::View;
 use std::ops::{ControlFlow, Range};
 
 pub use crate::transport::methods::{Counts, Method, Observer, PilotCounts, Settings, Sums, film_of, film_unit};
+pub use features::{NOWHERE, SurfaceFeatures, strongest_strata, surfaces};
 
 /// A method that is set up for a view.
 #[derive(Debug)]

@@ -22,7 +22,7 @@ use crate::transport::accel::Accel;
 use crate::transport::geometry::{Hit, LIGHT, Ray, Space, Sphere, Vertex, points};
 use check::{check, drop_invisible, drop_unusable};
 use copies::Shape;
-use glam::Vec3A;
+use glam::{DVec3, Vec3, Vec3A};
 use std::cell::Cell;
 use triangles::Triangles;
 use way::Way;
@@ -62,6 +62,13 @@ pub struct Scene {
     needs: Needs,
 }
 
+/// Triangles, and the acceleration structure that was built for them.
+#[derive(Debug)]
+pub struct SceneGeometry {
+    triangles: Vec<[Vec3; 3]>,
+    accel: Accel,
+}
+
 thread_local! {
     static RAYS: Cell<u64> = const { Cell::new(0) };
 }
@@ -94,7 +101,18 @@ impl Scene {
     ///
     /// # Errors
     /// If there is no triangle or no light, or a mesh refers to what is not there.
-    pub fn new(mut description: SceneDescription) -> Result<Self, UnusableScene> {
+    pub fn new(description: SceneDescription) -> Result<Self, UnusableScene> {
+        Self::with_geometry(description, None)
+    }
+
+    /// The same of another scene's acceleration structure, if that was built for the same triangles.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn with_geometry(
+        mut description: SceneDescription,
+        geometry: Option<SceneGeometry>,
+    ) -> Result<Self, UnusableScene> {
         check(&description)?;
         let dropped = description.all_meshes_mut().map(drop_unusable).sum();
         drop_invisible(&mut description);
@@ -131,7 +149,11 @@ impl Scene {
         if needs.environment || needs.punctual {
             materials.push(Material::default());
         }
-        let accel = Accel::new(&corners).with_copies(copies);
+        let accel = match geometry {
+            Some(SceneGeometry { triangles: built, accel }) if built == corners => accel,
+            _ => Accel::new(&corners),
+        };
+        let accel = accel.with_copies(copies);
         Ok(Self {
             accel,
             triangles,
@@ -147,6 +169,11 @@ impl Scene {
             dropped,
             needs,
         })
+    }
+
+    /// Keeps the triangles and their acceleration structure, for a scene that may have the same; `None` of one with copies.
+    pub fn into_geometry(self) -> Option<SceneGeometry> {
+        self.shapes.is_empty().then(|| SceneGeometry { triangles: self.triangles.corners(), accel: self.accel })
     }
 
     /// A camera in this scene, for images of `size` pixels.
@@ -182,6 +209,11 @@ impl Scene {
     /// Number of triangles, those of copies counted once.
     pub fn triangles(&self) -> usize {
         self.triangles.primitives.len() + self.shapes.iter().map(Shape::triangles).sum::<usize>()
+    }
+
+    /// World position of a vertex on a surface or on a lens.
+    pub fn world_position(&self, vertex: &Vertex) -> DVec3 {
+        self.space.world(vertex.position.into())
     }
 
     /// Triangles left out because a corner's position was not finite.
