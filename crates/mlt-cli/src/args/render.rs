@@ -52,7 +52,7 @@ pub struct RenderOptions {
     /// Where the scene is seen from.
     #[command(flatten)]
     pub view: ViewOptions,
-    /// Exposure of PNG and JPEG files in stops: 1 is twice as bright
+    /// Exposure of PNG and JPEG in stops: 1 is twice as bright
     #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0, help_heading = heading::IMAGE)]
     pub exposure: f64,
 
@@ -79,7 +79,7 @@ pub struct RenderOptions {
     #[arg(help_heading = heading::METHOD)]
     pub threads: Option<NonZeroUsize>,
 
-    /// Write to FILE, .exr, .hdr, .png, .jpg or .mltp; may be given several times
+    /// Write to FILE, .exr, .hdr, .png, .jpg or .mltp; may be repeated
     ///
     /// .exr is linear, with error bars; .hdr is linear; .png and .jpg are for looking at; .mltp holds exact sums, for 'mlt merge'. - is
     /// standard output, as OpenEXR or as in png:-. SCENE.exr and SCENE.png in the current folder if not given.

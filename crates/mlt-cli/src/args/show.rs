@@ -14,16 +14,16 @@ const TEV: &str = "127.0.0.1:14158";
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub struct ShowOptions {
     /// Further channels in OpenEXR files
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", help_heading = heading::OUTPUT)]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", hide_short_help = true, help_heading = heading::OUTPUT)]
     pub aov: Vec<Aov>,
-    /// Write FILE.denoised.EXT beside each image, by Open Image Denoise if that is installed
+    /// Write a denoised image, FILE.denoised.EXT, beside each image
     ///
-    /// It is biased, and marked so; the image itself stays as it is.
+    /// By Open Image Denoise, if that is installed. It is biased, and marked so; the image itself stays as it is.
     #[arg(long, help_heading = heading::OUTPUT)]
     pub denoise: bool,
-    /// Show the image so far every few seconds, in an image FILE or in the viewer tev
+    /// Show the image so far in an image FILE or in the viewer tev
     ///
-    /// FILE is replaced each time; tev may be at another address, as in tev:HOST:PORT. May be given several times. The signal SIGUSR1
+    /// FILE is replaced every few seconds; tev may be at another address, as in tev:HOST:PORT. May be given several times. The signal SIGUSR1
     /// has the files of --output written as they are so far.
     #[arg(long = "preview", value_name = "FILE|tev", help_heading = heading::OUTPUT)]
     pub previews: Vec<Preview>,
