@@ -27,7 +27,7 @@ fn a_scene_is_told_as_it_is_rendered() {
     for part in [
         "cornell: 32 triangles",
         "\n  a render takes \"camera\", the file's only one; pinhole",
-        "\n  counted: 1 glowing surfaces\n",
+        "\n  counted: 1 glowing surface\n",
         "\n  no  textures                 materials are constants\n",
         "\nMemory at 64x48\n",
         "\nRender it:  mlt render cornell\n",
@@ -86,8 +86,8 @@ fn lights_that_give_none_are_counted_apart() {
     }
     let text = inspected(&[file]);
     for part in [
-        "  group\n    wall  (1 triangles of \"grey\")\n    lamp  (point light)\n  node 3  (point light)\n",
-        "  counted: 1 points\n  ignored: 1 lights of no intensity, 1 glowing materials that nothing visible has\n",
+        "  group\n    wall  (1 triangle of \"grey\")\n    lamp  (point light)\n  node 3  (point light)\n",
+        "  counted: 1 point\n  ignored: 1 light and 1 glowing material, of no intensity",
         "a render takes \"framing\", around the whole scene",
         "no camera in the file can be used",
     ] {

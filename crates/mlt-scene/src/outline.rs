@@ -18,5 +18,6 @@ pub(crate) fn mesh(triangles: usize, materials: &[String], copies: usize) -> Str
     names.dedup();
     let of = if names.is_empty() { String::new() } else { format!(" of {}", names.join(", ")) };
     let times = if copies == 1 { String::new() } else { format!(", {copies} times") };
-    format!("{triangles} triangles{of}{times}")
+    let plural = if triangles == 1 { "" } else { "s" };
+    format!("{triangles} triangle{plural}{of}{times}")
 }

@@ -6,6 +6,8 @@ use mlt_core::transport::luminance;
 use mlt_core::transport::scene::{Lights, Material, Punctual, SceneDescription};
 use serde::Serialize;
 
+use super::text::counted;
+
 /// Lights by kind, and those that give no light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct LightCounts {
@@ -50,17 +52,14 @@ impl LightCounts {
 impl fmt::Display for LightCounts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { surfaces, points, spots, suns, environment, dark, unused } = *self;
-        let counted = [(surfaces, "glowing surfaces"), (points, "points"), (spots, "spots"), (suns, "suns")];
-        let counted =
-            counted.into_iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}"));
-        let around = environment.then(|| "light from all around".to_owned());
-        writeln!(f, "  counted: {}", counted.chain(around).collect::<Vec<_>>().join(", "))?;
-        let ignored = [(dark, "lights of no intensity"), (unused, "glowing materials that nothing visible has")];
-        let ignored =
-            ignored.into_iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}"));
-        match ignored.collect::<Vec<_>>() {
-            list if list.is_empty() => Ok(()),
-            list => writeln!(f, "  ignored: {}", list.join(", ")),
-        }
+        let listed = |kinds: &[(usize, &str)]| -> Vec<String> {
+            kinds.iter().filter(|(count, _)| *count > 0).map(|&(count, name)| counted(count, name)).collect()
+        };
+        let mut lit = listed(&[(surfaces, "glowing surface"), (points, "point"), (spots, "spot"), (suns, "sun")]);
+        lit.extend(environment.then(|| "light from all around".to_owned()));
+        writeln!(f, "  counted: {}", lit.join(", "))?;
+        let ignored = listed(&[(dark, "light"), (unused, "glowing material")]);
+        let why = "of no intensity, or on nothing that is visible";
+        if ignored.is_empty() { Ok(()) } else { writeln!(f, "  ignored: {}, {why}", ignored.join(" and ")) }
     }
 }

@@ -13,7 +13,8 @@ const NODES_SHOWN: usize = 40;
 impl fmt::Display for Inspection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { scene, triangles, materials, textures, .. } = self;
-        writeln!(f, "{scene}: {triangles} triangles, {materials} materials, {textures} textures\n\nNodes")?;
+        let parts = [(*triangles, "triangle"), (*materials, "material"), (*textures, "texture")];
+        writeln!(f, "{scene}: {}\n\nNodes", parts.map(|(count, name)| counted(count, name)).join(", "))?;
         for node in self.nodes.iter().take(NODES_SHOWN) {
             let parts = if node.parts.is_empty() { String::new() } else { format!("  ({})", node.parts.join("; ")) };
             writeln!(f, "{}{}{parts}", "  ".repeat(node.depth + 1), node.name)?;
@@ -37,6 +38,11 @@ impl fmt::Display for Inspection {
         }
         writeln!(f, "Render it:  mlt render {}", shell_word(scene))
     }
+}
+
+/// A number of things, as in `1 light` and `2 lights`.
+pub(super) fn counted(count: usize, name: &str) -> String {
+    format!("{count} {name}{}", if count == 1 { "" } else { "s" })
 }
 
 impl Inspection {

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod checkpoint;
+mod exposure;
 mod features;
 mod files;
 mod frames;

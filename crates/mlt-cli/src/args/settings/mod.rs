@@ -2,15 +2,20 @@
 //!
 //! They are put before those of the command line, without what that says itself or contradicts.
 
-use std::{ffi::OsString, fs, path::Path};
+mod config;
+mod image;
+
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory, Parser, error::ErrorKind, parser::ValueSource};
 use mlt_scene::meant;
-use toml::Value;
 
 use super::Cli;
-use crate::{Failure, output::exr, usage::sentence};
+use crate::{Failure, usage::sentence};
 
 /// The name in a file of what has none on the command line.
 const SCENE: &str = "file";
@@ -31,25 +36,65 @@ pub(super) fn with_files(words: Vec<OsString>) -> Result<Vec<OsString>, Failure>
     let Some(given) = matches.as_ref().ok().and_then(|matches| matches.subcommand_matches("render")) else {
         return Ok(words);
     };
-    let file = |name: &str| given.get_one::<std::path::PathBuf>(name);
     let mut program = Cli::command();
     program.build();
     let render = program.find_subcommand("render").context("there is no render")?;
-    let mut taken = given_on_line(render, given);
-    let mut more = Vec::new();
-    for (name, settings) in [("config", of_config as fn(&Path) -> _), ("like", of_image)] {
-        let Some(path) = file(name) else { continue };
-        let named = || path.display().to_string();
-        let mut settings: Vec<Setting> = settings(path).with_context(named).map_err(Failure::Usage)?;
-        if name == "like" && taken.iter().any(|argument| argument.get_long().is_some_and(|long| LIMITS.contains(&long)))
-        {
-            // The rounds of a record are those of its budget.
-            settings.retain(|(name, _)| !ROUNDS.contains(&name.as_str()));
-        }
-        more.extend(chosen(render, settings, &mut taken).with_context(named).map_err(Failure::Usage)?);
+    let mut line = Line { render, taken: given_on_line(render, given), more: Vec::new() };
+    let file = |name: &str| given.get_one::<PathBuf>(name);
+    if let Some(path) = file("config") {
+        line.add(path, config::settings)?;
+    }
+    if let Some(path) = file("like") {
+        // The rounds of a record are those of its budget.
+        let limited = line.taken.iter().any(|argument| argument.get_long().is_some_and(|long| LIMITS.contains(&long)));
+        line.add(path, |path| {
+            let mut settings = image::settings(path)?;
+            settings.retain(|(name, _)| !limited || !ROUNDS.contains(&name.as_str()));
+            Ok(settings)
+        })?;
     }
     let (before, after) = words.split_at(at + 1);
-    Ok([before, &more, after].concat())
+    Ok([before, &line.more, after].concat())
+}
+
+/// A command line of `mlt render` that options are added to.
+struct Line<'a> {
+    render: &'a Command,
+    /// The options that it has.
+    taken: Vec<&'a Arg>,
+    /// The words that are added.
+    more: Vec<OsString>,
+}
+
+impl Line<'_> {
+    /// Adds those settings of a file that nothing before them gives or contradicts.
+    fn add(
+        &mut self,
+        path: &Path,
+        settings: impl FnOnce(&Path) -> anyhow::Result<Vec<Setting>>,
+    ) -> Result<(), Failure> {
+        let added = settings(path).and_then(|settings| self.add_settings(settings));
+        added.with_context(|| path.display().to_string()).map_err(Failure::Usage)
+    }
+
+    fn add_settings(&mut self, settings: Vec<Setting>) -> anyhow::Result<()> {
+        let (mut own, mut all) = (Vec::new(), vec![OsString::from("mlt"), "render".into()]);
+        for (name, values) in settings {
+            let argument = argument(self.render, &name)?;
+            let words = as_words(argument, &name, values)?;
+            all.extend(words.clone());
+            if !self.taken.iter().any(|other| excludes(self.render, argument, other)) {
+                self.more.extend(words);
+                own.push(argument);
+            }
+        }
+        self.taken.extend(own);
+        match Cli::try_parse_from(all) {
+            // What is missing may come from the command line.
+            Err(error) if error.kind() != ErrorKind::MissingRequiredArgument => bail!(sentence(&error)),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// The options that a command line gives.
@@ -58,28 +103,6 @@ fn given_on_line<'a>(render: &'a Command, given: &ArgMatches) -> Vec<&'a Arg> {
     // Whether an option is there can only be asked of those that a parse knows.
     let known: Vec<_> = given.ids().map(|id| id.as_str().to_owned()).collect();
     render.get_arguments().filter(|a| known.iter().any(|id| id == a.get_id().as_str())).filter(is_given).collect()
-}
-
-/// The words of those settings that nothing before them gives or contradicts.
-fn chosen<'a>(render: &'a Command, settings: Vec<Setting>, taken: &mut Vec<&'a Arg>) -> anyhow::Result<Vec<OsString>> {
-    let mut own = Vec::new();
-    let mut all = vec![OsString::from("mlt"), "render".into()];
-    let mut words = Vec::new();
-    for (name, values) in settings {
-        let argument = argument(render, &name)?;
-        let of_setting = as_words(argument, &name, values)?;
-        all.extend(of_setting.clone());
-        if !taken.iter().any(|other| excludes(render, argument, other)) {
-            words.extend(of_setting);
-            own.push(argument);
-        }
-    }
-    taken.extend(own);
-    match Cli::try_parse_from(all) {
-        // What is missing may come from the command line.
-        Err(error) if error.kind() != ErrorKind::MissingRequiredArgument => bail!(sentence(&error)),
-        _ => Ok(words),
-    }
 }
 
 /// The option of this name, as on the command line, with `_` for `-` as well.
@@ -127,50 +150,4 @@ fn excludes(render: &Command, a: &Arg, b: &Arg) -> bool {
         !group.clone().is_multiple() && ids.iter().all(|id| members.contains(id))
     });
     ids[0] == ids[1] || of_one_group || conflicts(a, b) || conflicts(b, a)
-}
-
-/// The settings of a TOML file.
-fn of_config(path: &Path) -> anyhow::Result<Vec<Setting>> {
-    let text = fs::read_to_string(path).context("cannot be read")?;
-    let table: toml::Table = toml::from_str(&text).map_err(|error| {
-        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
-        anyhow!("line {}: {}", before.matches('\n').count() + 1, error.message().replace('\n', ", "))
-    })?;
-    let setting = |(name, value): (String, Value)| match value {
-        Value::Boolean(false) => Ok(None),
-        Value::Boolean(true) => Ok(Some((name, Vec::new()))),
-        Value::Array(values) => {
-            let values = values.iter().map(|value| scalar(&name, value)).collect::<anyhow::Result<_>>()?;
-            Ok(Some((name, values)))
-        }
-        value => scalar(&name, &value).map(|value| Some((name, vec![value]))),
-    };
-    table.into_iter().map(setting).filter_map(Result::transpose).collect()
-}
-
-fn scalar(name: &str, value: &Value) -> anyhow::Result<String> {
-    match value {
-        Value::String(text) => Ok(text.clone()),
-        Value::Integer(number) => Ok(number.to_string()),
-        Value::Float(number) => Ok(number.to_string()),
-        _ => bail!("{name}: give a text, a number, or a list of them"),
-    }
-}
-
-/// The settings that an image of ours records.
-fn of_image(path: &Path) -> anyhow::Result<Vec<Setting>> {
-    let file = crate::output::without_panic(|| exr::read(path)).context("damaged")??;
-    let command = file.attributes.into_iter().find(|(name, _)| name == "mlt.command").map(|(_, command)| command);
-    let words = command
-        .as_deref()
-        .and_then(shlex::split)
-        .context("it holds no options of a render; name an EXR that mlt has made")?;
-    let [_, _, scene, options @ ..] = &words[..] else { bail!("the options in it are not understood") };
-    let option = |word: &String| {
-        let (name, value) = word.strip_prefix("--")?.split_once('=')?;
-        Some((name.to_owned(), vec![value.to_owned()]))
-    };
-    let options = options.iter().map(option).collect::<Option<Vec<_>>>();
-    Ok([vec![(SCENE.to_owned(), vec![scene.clone()])], options.context("the options in it are not understood")?]
-        .concat())
 }
