@@ -4,6 +4,9 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 
+/// Water over a basin.
+const POOL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/stability/pool/scene.gltf");
+
 fn inspected(arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_mlt")).arg("inspect").args(arguments).output().expect("mlt starts");
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -39,7 +42,7 @@ fn a_scene_is_told_as_it_is_rendered() {
 
 #[test]
 fn what_a_scene_has_and_lacks_is_told_apart() {
-    let (cornell, pool) = (object(&["cornell"]), object(&["scenes/stability/pool/scene.gltf"]));
+    let (cornell, pool) = (object(&["cornell"]), object(&[POOL]));
     assert_eq!((&cornell["triangles"], &cornell["size"]), (&json!(32), &json!([512, 512])));
     assert!(cornell["nodes"].as_array().is_some_and(|nodes| nodes.iter().any(|node| node["parts"][0] == "camera")));
     assert!(!has(&cornell, "mirrors and clear glass") && has(&pool, "mirrors and clear glass"));

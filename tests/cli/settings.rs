@@ -71,7 +71,7 @@ fn what_a_file_cannot_say_is_refused_by_its_name() {
         ("widthh = 3", "did you mean width?"),
         ("zzzz = 3", "the long options of 'mlt render --help'"),
         ("time = 30", "bad.toml: invalid value '30' for '--time <TIME>'"),
-        ("time = '3s'\nerror = '2%'", "bad.toml: the argument '--time <TIME>' cannot be used with '--error"),
+        ("time = '3s'\nerror = '2%'", "bad.toml: the argument '--error <ERROR>' cannot be used with '--time"),
         ("size = '8x8\n", "bad.toml: line 1"),
         ("json = 3", "json is true or false"),
         ("time = true", "time needs a value"),
@@ -100,7 +100,7 @@ fn an_image_gives_the_options_that_it_was_made_with() {
 
     let found = report(&folder, "--like a.exr --mutations-per-pixel 4 --method pssmlt -o b.exr -j1");
     assert_eq!((&found["scene"], &found["method"], &found["rounds"]), (&"ring".into(), &"pssmlt".into(), &16.into()));
-    assert_eq!((&found["width"], &found["mutations"]), (&20.into(), &(4 * 20 * 12).into()));
+    assert_eq!((&found["width"], &found["height"]), (&20.into(), &12.into()));
 
     // The command line before the file, the file before the image.
     fs::write(folder.path().join("render.toml"), "seed = 7\nsize = '10x10'\n").expect("written");

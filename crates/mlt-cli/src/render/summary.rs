@@ -88,7 +88,7 @@ fn stratum(stats: &StratumStats) -> StratumReport {
 /// Options of chains for a method that has none.
 fn without_effect(options: &RenderOptions) -> Option<String> {
     let method = options.method();
-    let ignored = matches!(method, Method::Pt | Method::Bdpt) && options.transport.ask_for_chains();
+    let ignored = matches!(method, Method::Pt | Method::Bdpt) && options.transport.change_chains();
     ignored.then(|| {
         format!(
             "{method} has no chains: --strata, --weights, --variant, --perturbations and --importance have no effect; \
