@@ -5,12 +5,14 @@ mod bench_browser;
 mod diff;
 mod formats;
 mod frames;
+mod inspect;
 #[cfg(unix)]
 mod interrupt;
 mod progress;
 mod render;
 mod resume;
 mod seeing;
+mod settings;
 mod usage;
 mod verify;
 mod verify_controls;

@@ -12,6 +12,7 @@ pub mod denoise;
 pub mod diff;
 mod exit;
 pub mod image;
+pub mod inspect;
 pub mod interrupt;
 pub mod kept;
 mod log;
@@ -49,6 +50,7 @@ fn run(cli: &args::Cli) -> Result<(), Failure> {
     log::start(cli.general.verbose);
     match &cli.command {
         args::Command::Render(options) => render::run(options),
+        args::Command::Inspect(options) => inspect::run(options),
         args::Command::Scenes(options) => tools::scenes::run(options),
         args::Command::Merge(options) => kept::merge::run(options),
         args::Command::Info(options) => kept::info::run(options),

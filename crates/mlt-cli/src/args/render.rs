@@ -97,6 +97,19 @@ pub struct RenderOptions {
     #[arg(short, long, help_heading = heading::OUTPUT)]
     pub quiet: bool,
 
+    /// Take options from FILE, in TOML: the names of the long options, as in time = "30s"
+    ///
+    /// What the command line says wins. 'file' names the scene; a list stands for several values, true and false for flags.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
+    #[arg(hide_short_help = true)]
+    pub config: Option<PathBuf>,
+    /// Take the options that FILE, an EXR of 'mlt render', was made with
+    ///
+    /// Scene, view, method, seed and budget, that is. What the command line says wins; its budget replaces that of the file.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
+    #[arg(hide_short_help = true)]
+    pub like: Option<PathBuf>,
+
     /// How the scene is read.
     #[command(flatten)]
     pub reading: SceneOptions,

@@ -2,7 +2,7 @@
 
 use mlt_core::{engine::Film, transport::render::Sums};
 
-use super::{Features, Plan, session::Made};
+use super::{Features, Plan, exposure, session::Made};
 use crate::{
     Failure,
     args::{
@@ -29,6 +29,8 @@ pub(crate) fn write(options: &RenderOptions, made: Made, sums: &Sums) -> Result<
     let mut saved: Vec<_> = parts.iter().map(|output| save(output, kept::encode(&about, sums))).collect();
     if !images.is_empty() {
         let (image, stderr) = develop(sums.film())?;
+        let shown = images.iter().any(|output| output.format.is_for_screens());
+        report.warnings.extend(shown.then(|| exposure::advice(&image, options.exposure)).flatten());
         let frame = options.view.frame()?.unwrap_or(Frame::whole(&image));
         let errors = stderr.iter().flat_map(|stderr| Channel::of_triples(exr::STDERR, stderr));
         let channels = errors.chain(channels).collect();

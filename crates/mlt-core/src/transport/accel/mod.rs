@@ -108,6 +108,11 @@ impl Accel {
         self.instances.as_ref().filter(|_| primitive >= self.count).map(|instances| instances.find(primitive))
     }
 
+    /// Memory that it takes, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.tree.bytes() + self.instances.as_ref().map_or(0, Instances::bytes)
+    }
+
     /// The nearest hit with 0 < t ≤ t_max.
     ///
     /// The test rounds: from an origin on a triangle its t can come out as a tiny positive number instead of zero.

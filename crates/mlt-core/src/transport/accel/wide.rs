@@ -143,6 +143,11 @@ pub(super) struct WideTree {
 const CACHED: usize = 2 << 20;
 
 impl WideTree {
+    /// Memory that it takes, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
+    }
+
     /// A tree of these parts.
     pub(super) fn new(nodes: Vec<Node>, blocks: Vec<TriangleBlock>, depth: usize, max_coordinate: f32) -> Self {
         let has_coarse = nodes.iter().flat_map(|node| &node.children).any(|child| child.is_leaf() && child.is_coarse());

@@ -16,6 +16,11 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
+    /// Memory that they take, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.primitives[..]) + size_of_val(&self.normals[..])
+    }
+
     /// Those of all meshes, one mesh after the other.
     pub(super) fn new(meshes: &[Mesh], materials: &[Material], space: &Space) -> Self {
         let (mut primitives, normals) = primitives(meshes, materials, space);

@@ -48,6 +48,11 @@ impl Shape {
         (shapes, copies)
     }
 
+    /// Memory that its triangles take, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.triangles.bytes()
+    }
+
     /// Number of triangles.
     pub(super) fn triangles(&self) -> usize {
         self.triangles.primitives.len()
