@@ -103,7 +103,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
     #[arg(hide_short_help = true)]
     pub config: Option<PathBuf>,
-    /// Take the options that FILE, an EXR of 'mlt render', was made with
+    /// Take the options that FILE, an image of 'mlt render', was made with
     ///
     /// Scene, view, method, seed and budget, that is. What the command line says wins; its budget replaces that of the file.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
