@@ -1,4 +1,4 @@
-//! Options from files: `--config` and `--like`.
+//! Options from files (`--config`, `--like`), and files that are there already (`--force`).
 
 use std::{
     fs,
@@ -109,4 +109,28 @@ fn an_image_gives_the_options_that_it_was_made_with() {
 
     let output = run(folder.path(), "--like render.toml");
     assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: render.toml: "));
+}
+
+#[test]
+fn only_files_of_others_need_force() {
+    let folder = with_config("");
+    let outputs = "-o a.exr -o a.hdr -o a.png -o a.jpg -o a.mltp --preview p.png";
+    let line = format!("cornell -s 8x8 --spp 4 -j1 -q {outputs}");
+    let again = |line: &str| run(folder.path(), line);
+    for _ in 0..2 {
+        let output = again(&line);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    for name in ["a.exr", "a.hdr", "a.png", "a.jpg", "a.mltp", "p.png"] {
+        let (path, own) = (folder.path().join(name), fs::read(folder.path().join(name)).expect("written"));
+        fs::write(&path, "a photograph").expect("written");
+        let output = again(&line);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
+        assert!(message.contains(&format!("{name}: is there already")) && message.contains("--force"), "{message}");
+        assert_eq!(fs::read(&path).expect("kept"), b"a photograph");
+        assert!(again(&format!("{line} --force")).status.success(), "{name}");
+        assert_ne!(fs::read(&path).expect("written"), b"a photograph");
+        fs::write(&path, own).expect("written");
+    }
 }
