@@ -69,7 +69,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = heading::BUDGET)]
     pub error: Option<f64>,
 
-    /// How light is computed; by itself, auto finds out what suits the scene
+    /// How light is computed; auto suits itself to the scene
     ///
     /// If not given, mlt if an option asks for mutations, strata, weights, a variant, perturbations or an importance, else auto.
     #[arg(long, visible_alias = "integrator", value_enum, help_heading = heading::METHOD)]
@@ -89,7 +89,7 @@ pub struct RenderOptions {
     /// Overwrite files that mlt has not made, too
     ///
     /// Images and checkpoints that mlt has made are overwritten without it.
-    #[arg(long, help_heading = heading::OUTPUT)]
+    #[arg(long, help_heading = heading::OUTPUT, hide_short_help = true)]
     pub force: bool,
     /// What is seen beside the image.
     #[command(flatten)]
