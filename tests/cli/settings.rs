@@ -6,7 +6,7 @@ use std::{
     process::{Command, Output},
 };
 
-use mlt_cli::output::exr;
+use mlt_cli::{image::Image, output::exr};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -109,6 +109,19 @@ fn an_image_gives_the_options_that_it_was_made_with() {
 
     let output = run(folder.path(), "--like render.toml");
     assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: render.toml: "));
+}
+
+/// An image of somebody else decides how it looks, and not which files are written.
+#[test]
+fn an_image_names_no_files_to_write() {
+    let folder = with_config("");
+    let command =
+        "mlt render cornell --size=6x6 --samples-per-pixel 2 --output=evil.exr --checkpoint=evil.mltp --force=true";
+    let image = Image::new(1, 1, vec![[0.5; 3]]).expect("a pixel");
+    let bytes = exr::encode(&image, None, &[("mlt.command".to_owned(), command.to_owned())]).expect("encoded");
+    fs::write(folder.path().join("a.exr"), bytes).expect("written");
+    let found = report(&folder, "--like a.exr -j1");
+    assert_eq!((&found["width"], &found["outputs"]), (&6.into(), &serde_json::json!(["cornell.exr", "cornell.png"])));
 }
 
 #[test]
