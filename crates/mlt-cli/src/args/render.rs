@@ -69,7 +69,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = heading::BUDGET)]
     pub error: Option<f64>,
 
-    /// How light is computed; by itself, auto finds out what suits the scene
+    /// How light is computed; auto suits itself to the scene
     ///
     /// If not given, mlt if an option asks for mutations, strata, weights, a variant, perturbations or an importance, else auto.
     #[arg(long, visible_alias = "integrator", value_enum, help_heading = heading::METHOD)]
@@ -86,6 +86,11 @@ pub struct RenderOptions {
     #[arg(short, long = "output", alias = "outfile", value_name = "FILE", value_hint = ValueHint::FilePath)]
     #[arg(help_heading = heading::OUTPUT)]
     pub outputs: Vec<OutputFile>,
+    /// Overwrite files that mlt has not made, too
+    ///
+    /// Images and checkpoints that mlt has made are overwritten without it.
+    #[arg(long, help_heading = heading::OUTPUT, hide_short_help = true)]
+    pub force: bool,
     /// What is seen beside the image.
     #[command(flatten)]
     pub show: ShowOptions,
@@ -103,7 +108,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
     #[arg(hide_short_help = true)]
     pub config: Option<PathBuf>,
-    /// Take the options that FILE, an EXR of 'mlt render', was made with
+    /// Take the options that FILE, an image of 'mlt render', was made with
     ///
     /// Scene, view, method, seed and budget, that is. What the command line says wins; its budget replaces that of the file.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
@@ -205,7 +210,10 @@ impl RenderOptions {
         let previews = self.show.files().filter(|file| targets.iter().all(|target| target.path != file.path));
         let denoised: Vec<_> = targets.iter().filter(|_| self.show.denoise).filter_map(OutputFile::denoised).collect();
         let files: Vec<_> = targets.iter().chain(previews).chain(&denoised).cloned().collect();
-        output::check_targets(&files, self.json).map_err(Failure::Usage)
+        output::check_targets(&files, self.json).map_err(Failure::Usage)?;
+        // What is wrong with a file that is resumed is told by whoever reads it.
+        let others = files.into_iter().filter(|file| !self.force && self.keeping.resume.as_ref() != Some(&file.path));
+        output::check_existing(others).map_err(Failure::Usage)
     }
 
     /// The options of one frame's image.

@@ -11,6 +11,7 @@ use crate::image::Image;
 
 pub mod atomic;
 mod decoder;
+mod existing;
 pub mod exr;
 mod format;
 pub mod hdr;
@@ -21,6 +22,7 @@ pub mod png;
 pub(crate) mod srgb;
 mod target;
 
+pub use existing::check_existing;
 pub use format::Format;
 pub use picture::{Channel, Frame, Picture};
 pub use target::{OutputFile, check_target, check_targets};

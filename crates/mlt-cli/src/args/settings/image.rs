@@ -5,18 +5,18 @@ use std::path::Path;
 use anyhow::{Context, anyhow};
 
 use super::{SCENE, Setting};
-use crate::output::{self, exr};
+use crate::output::{self, Format};
 
 /// The settings that an image of ours records.
 pub(super) fn settings(path: &Path) -> anyhow::Result<Vec<Setting>> {
-    let read = output::without_panic(|| exr::read(path)).context("damaged")?;
+    let read = Format::of_file(path).and_then(|format| output::read_attributes(path, format));
     // The file is named by whoever asks.
-    let file = read.map_err(|error| anyhow!(error.root_cause().to_string()))?;
-    let command = file.attributes.into_iter().find(|(name, _)| name == "mlt.command").map(|(_, command)| command);
+    let (_, attributes) = read.map_err(|error| anyhow!(error.root_cause().to_string()))?;
+    let command = attributes.into_iter().find(|(name, _)| name == "mlt.command").map(|(_, command)| command);
     let words = command
         .as_deref()
         .and_then(shlex::split)
-        .context("it holds no options of a render; name an EXR that mlt has made")?;
+        .context("it holds no options of a render; name an image that mlt has made")?;
     settings_of(&words).context("the options in it are not understood")
 }
 
