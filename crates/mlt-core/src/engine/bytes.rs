@@ -23,7 +23,7 @@ impl Error for DecodeError {}
 impl fmt::Display for DecodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Foreign => f.write_str("these bytes hold no accumulated rounds"),
+            Self::Foreign => f.write_str("these bytes hold something else"),
             Self::Version(version) => {
                 write!(f, "version {version} of the format is not known; use the program that wrote it")
             }

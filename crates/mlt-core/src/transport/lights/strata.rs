@@ -3,6 +3,7 @@
 use super::cell::Cell;
 use super::cut::{LightTree, Node};
 use super::region::LightRegion;
+use crate::engine::{DecodeError, Reader, put_list};
 use crate::transport::scene::{Light, LightPoint, Lights};
 use glam::DVec2;
 use std::cmp::Ordering;
@@ -23,6 +24,9 @@ pub enum Stratification {
 
 /// Most strata, whatever is asked for.
 const MOST_STRATA: f64 = 65_536.0;
+
+/// Most cells of all grids in a partition that is read.
+const MOST_CELLS: u64 = 1 << 24;
 
 /// A partition of the lights. docs/theory-strata.md, section 1, has how it cuts path space.
 #[derive(Clone, Debug)]
@@ -102,14 +106,25 @@ impl LightStrata {
         self.table[(first + cell(point.v, nv) * nu + cell(point.u, nu)) as usize]
     }
 
+    /// Appends it to bytes.
+    pub(crate) fn write(&self, to: &mut Vec<u8>) {
+        put_list(to, &self.regions, |to, region| put_list(to, region.cells(), |to, cell| cell.write(to)));
+    }
+
+    /// Reads a partition of these lights that [`write`](Self::write) has written.
+    pub(crate) fn read(lights: &Lights, from: &mut Reader) -> Result<Self, DecodeError> {
+        let parts = from.list(|from| from.list(Cell::read))?;
+        if is_partition(lights.lights.len(), &parts) {
+            Ok(Self::assemble(lights, parts))
+        } else {
+            Err(DecodeError::Damaged)
+        }
+    }
+
     /// Strata of disjoint cells that cover the lights and lie, on each light, on one grid.
     fn assemble(lights: &Lights, mut parts: Vec<Vec<Cell>>) -> Self {
         parts.iter_mut().for_each(|cells| cells.sort_unstable_by_key(place));
-        let mut sizes = vec![[1, 1]; lights.lights.len()];
-        for cell in parts.iter().flatten() {
-            let (size, cells) = (&mut sizes[cell.light as usize], (cell.high - cell.low).recip().round());
-            *size = [size[0].max(cells.x as u32), size[1].max(cells.y as u32)];
-        }
+        let sizes = grid_sizes(lights.lights.len(), &parts);
         let mut entries = 0;
         let mut grid = |size: [u32; 2]| {
             let grid = Grid { first: entries, size };
@@ -128,6 +143,46 @@ impl LightStrata {
         };
         Self { regions, whole, grids, table }
     }
+}
+
+/// The grid that each light's cells lie on: that of the narrowest ones.
+fn grid_sizes(lights: usize, parts: &[Vec<Cell>]) -> Vec<[u32; 2]> {
+    let mut sizes = vec![[1, 1]; lights];
+    for cell in parts.iter().flatten() {
+        let (size, cells) = (&mut sizes[cell.light as usize], (cell.high - cell.low).recip().round());
+        *size = [size[0].max(cells.x as u32), size[1].max(cells.y as u32)];
+    }
+    sizes
+}
+
+/// Whether parts from wherever they come hold each cell of the lights' grids once.
+fn is_partition(lights: usize, parts: &[Vec<Cell>]) -> bool {
+    if parts.iter().any(Vec::is_empty) || parts.iter().flatten().any(|cell| cell.light as usize >= lights) {
+        return false;
+    }
+    let sizes = grid_sizes(lights, parts);
+    let cells_of = |&[nu, nv]: &[u32; 2]| u64::from(nu).saturating_mul(u64::from(nv));
+    if sizes.iter().map(cells_of).fold(0, u64::saturating_add) > MOST_CELLS {
+        return false;
+    }
+    let mut met: Vec<_> = sizes.iter().map(|size| vec![false; cells_of(size) as usize]).collect();
+    let alone =
+        parts.iter().flatten().all(|cell| meet(&mut met[cell.light as usize], sizes[cell.light as usize], cell));
+    alone && met.iter().flatten().all(|&met| met)
+}
+
+/// Marks a cell's part of a grid; `false` if it does not lie on the grid's lines, or if any of it was marked before.
+fn meet(met: &mut [bool], size: [u32; 2], cell: &Cell) -> bool {
+    let n = size.map(f64::from);
+    let [low, high] = [cell.low, cell.high].map(|corner| [0, 1].map(|axis| (corner[axis] * n[axis]).round()));
+    let on_lines = |axis: usize| low[axis] / n[axis] == cell.low[axis] && high[axis] / n[axis] == cell.high[axis];
+    let mut rows = low[1] as usize..high[1] as usize;
+    on_lines(0)
+        && on_lines(1)
+        && rows.all(|row| {
+            let row = &mut met[row * size[0] as usize..][low[0] as usize..high[0] as usize];
+            !row.iter_mut().any(|met| std::mem::replace(met, true))
+        })
 }
 
 impl Grid {
