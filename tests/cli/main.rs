@@ -3,6 +3,7 @@
 mod bench;
 mod bench_browser;
 mod diff;
+mod farm;
 #[cfg(unix)]
 mod interrupt;
 mod progress;

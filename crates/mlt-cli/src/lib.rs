@@ -10,6 +10,7 @@ pub mod args;
 pub mod bench;
 pub mod diff;
 mod exit;
+pub mod farm;
 pub mod image;
 pub mod interrupt;
 pub mod kept;
@@ -50,6 +51,7 @@ fn run(cli: &args::Cli) -> Result<(), Failure> {
         args::Command::Render(options) => render::run(options),
         args::Command::Scenes(options) => tools::scenes::run(options),
         args::Command::Merge(options) => kept::merge::run(options),
+        args::Command::Farm(options) => farm::run(options),
         args::Command::Info(options) => kept::info::run(options),
         args::Command::Diff(options) => diff::run(options),
         args::Command::Verify(options) => verify::run(options),

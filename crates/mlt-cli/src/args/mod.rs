@@ -8,6 +8,7 @@ pub mod aperture;
 pub mod bench;
 pub mod contestant;
 pub mod environment;
+pub mod farm;
 pub mod heading;
 pub mod kept;
 pub mod line;
@@ -77,6 +78,8 @@ pub enum Command {
     Scenes(tools::ScenesOptions),
     /// Add up parts of a render
     Merge(merge::MergeOptions),
+    /// Render on a farm: jobs for Slurm and Open Job Description, and their tasks
+    Farm(farm::FarmOptions),
     /// Tell what a file of a render holds
     Info(merge::InfoOptions),
     /// Measure how far images are from a reference

@@ -140,6 +140,20 @@ impl RenderOptions {
 
     /// Finds what is wrong with the options together, and with the files to write, before anything is rendered.
     pub fn check(&self) -> Result<(), Failure> {
+        self.check_together()?;
+        if self.keeping.shard.is_some() && !self.keeps_sums() {
+            return Err(Failure::Usage(anyhow::anyhow!(
+                "--shard: images of parts cannot be added up; add -o FILE.mltp, which 'mlt merge' takes"
+            )));
+        }
+        if let Some(pilot) = self.keeping.pilot.as_ref().filter(|pilot| !pilot.exists()) {
+            output::check_target(pilot).map_err(Failure::Usage)?;
+        }
+        output::check_targets(&self.targets()).map_err(Failure::Usage)
+    }
+
+    /// Finds what is wrong with the options together.
+    pub fn check_together(&self) -> Result<(), Failure> {
         let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
         if self.mutations_per_pixel.is_some() && !self.method().mutates() {
             return usage(format!(
@@ -160,13 +174,7 @@ impl RenderOptions {
         if self.view.camera_from.is_some() && self.view.camera_from == self.view.camera_to {
             return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
         }
-        let targets = self.targets();
-        if self.keeping.shard.is_some() && !self.keeps_sums() {
-            return usage(
-                "--shard: images of parts cannot be added up; add -o FILE.mltp, which 'mlt merge' takes".into(),
-            );
-        }
-        output::check_targets(&targets).map_err(Failure::Usage)
+        Ok(())
     }
 
     /// Whether sums are read from a file or written to one.
@@ -184,17 +192,19 @@ impl RenderOptions {
         targets
     }
 
+    /// SCENE with an ending, in the current folder.
+    pub fn named_after_scene(&self, ending: &str) -> PathBuf {
+        let mut name = self.scene.file_stem().map_or_else(|| "render".into(), OsStr::to_os_string);
+        name.push(ending);
+        name.into()
+    }
+
     /// The files asked for, or SCENE.exr and SCENE.png in the current folder.
-    fn images(&self) -> Vec<OutputFile> {
+    pub fn images(&self) -> Vec<OutputFile> {
         if !self.outputs.is_empty() {
             return self.outputs.clone();
         }
-        let stem = self.scene.file_stem().map_or_else(|| "render".into(), OsStr::to_os_string);
-        let file = |extension: &str, format| {
-            let mut name = stem.clone();
-            name.push(extension);
-            OutputFile { path: name.into(), format }
-        };
+        let file = |ending: &str, format| OutputFile { path: self.named_after_scene(ending), format };
         vec![file(".exr", Format::Exr), file(".png", Format::Png)]
     }
 }

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
+use mlt_core::engine::Key;
 use mlt_scene::printable;
 
-use super::{Kept, read, words};
+use super::{Kept, pilot::Pilot, read, words};
 use crate::{
     Failure,
     args::{merge::InfoOptions, written::shell_word},
@@ -23,6 +24,7 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     let facts = match format {
         Format::Sums => of_sums(&read(path)?),
         Format::Exr => of_image(path).map_err(Failure::Usage)?,
+        Format::Pilot => of_pilot(&Pilot::read(path).map_err(Failure::Usage)?),
         Format::Png => {
             return Err(Failure::Usage(anyhow!("{}: a PNG file says nothing of its render", path.display())));
         }
@@ -50,10 +52,17 @@ fn of_sums(kept: &Kept) -> Facts {
         ("seconds", about.spent.clock.as_secs_f64().to_string()),
     ];
     let facts = facts.map(|(name, value)| (name.to_owned(), value));
-    facts
-        .into_iter()
-        .chain(kept.sums.key().iter().map(|(name, value)| (format!("key.{name}"), value.clone())))
-        .collect()
+    facts.into_iter().chain(of_key(kept.sums.key())).collect()
+}
+
+fn of_pilot(pilot: &Pilot) -> Facts {
+    let kind = ("kind".to_owned(), "what a pilot found, for 'mlt render --pilot'".to_owned());
+    std::iter::once(kind).chain(of_key(&pilot.key)).collect()
+}
+
+/// What the rounds of a render depend on.
+fn of_key(key: &Key) -> impl Iterator<Item = (String, String)> {
+    key.iter().map(|(name, value)| (format!("key.{name}"), value.clone()))
 }
 
 fn of_image(path: &Path) -> anyhow::Result<Facts> {

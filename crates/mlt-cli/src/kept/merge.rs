@@ -33,6 +33,9 @@ impl Kept {
     fn add(&mut self, part: &Self) -> anyhow::Result<()> {
         let [sum, other] = [&self.path, &part.path].map(|path| path.display());
         self.sums.merge(&part.sums).with_context(|| format!("{other} does not go with {sum}"))?;
+        if self.pilot != part.pilot {
+            return Err(anyhow!("{other} does not go with {sum}: their pilots found different things"));
+        }
         if self.about.whole != part.about.whole {
             let [a, b] = [self, part].map(|part| part.about.whole.as_ref().map_or("no number of rounds".into(), words));
             return Err(anyhow!("{other} does not go with {sum}: the whole render is {b} in one and {a} in the other"));
@@ -68,6 +71,6 @@ impl Kept {
     fn finished(self, options: &RenderOptions) -> anyhow::Result<Finished> {
         let mut report = render::report(options, &self.about.provenance, &self.sums);
         report.set_time(self.about.spent);
-        Ok(Finished { per_pixel: self.per_pixel()?, sums: self.sums, about: self.about, report })
+        Ok(Finished { per_pixel: self.per_pixel()?, pilot: self.pilot, sums: self.sums, about: self.about, report })
     }
 }

@@ -6,6 +6,7 @@
 mod file;
 pub mod info;
 pub mod merge;
+pub mod pilot;
 
 use std::{ops::Range, path::PathBuf, time::Duration};
 
@@ -29,6 +30,8 @@ pub struct Kept {
     pub path: PathBuf,
     /// Which render they are of.
     pub about: About,
+    /// What its pilot found; `None` if its method has no pilot.
+    pub pilot: Option<Vec<u8>>,
     /// Its rounds.
     pub sums: Sums,
 }

@@ -28,6 +28,8 @@ pub enum Format {
     Png,
     /// Exact sums of rounds, for `mlt merge` and `--resume`.
     Sums,
+    /// What a pilot found, for `--pilot`.
+    Pilot,
 }
 
 /// A file to write, named by the user.
@@ -121,6 +123,7 @@ pub fn read_image(path: &Path) -> anyhow::Result<(Image, Format)> {
     let read = || match format {
         Format::Exr => Ok(exr::read(path)?.image),
         Format::Png => png::read(path),
+        Format::Pilot => bail!("{}: what a pilot found, no image", path.display()),
         Format::Sums => bail!("{}: sums of rounds, no image; 'mlt merge' makes one of them", path.display()),
     };
     let image = without_panic(read).with_context(|| format!("{}: damaged", path.display()))??;
@@ -146,6 +149,8 @@ pub fn format_of(path: &Path) -> anyhow::Result<Format> {
         Ok(Format::Png)
     } else if start.starts_with(&kept::MAGIC) {
         Ok(Format::Sums)
+    } else if start.starts_with(&kept::pilot::MAGIC) {
+        Ok(Format::Pilot)
     } else {
         bail!("neither an OpenEXR nor a PNG file")
     }

@@ -1,6 +1,7 @@
 //! The image files of a render.
 
 use mlt_core::engine::Film;
+use rayon::prelude::*;
 
 use super::{Plan, key::view, session::Finished};
 use crate::{
@@ -17,7 +18,7 @@ use crate::{
 
 /// Writes all files, on the current rayon pool, and names them in the report. One that cannot be written does not stop the others.
 pub(crate) fn write(options: &RenderOptions, finished: Finished) -> Result<Report, Failure> {
-    let Finished { sums, about, mut report, per_pixel } = finished;
+    let Finished { sums, pilot, about, mut report, per_pixel } = finished;
     let attributes = attributes(options, &report, per_pixel)?;
     let save = |output: &OutputFile, bytes: anyhow::Result<Vec<u8>>| -> anyhow::Result<String> {
         atomic::write(&output.path, &bytes?)?;
@@ -25,14 +26,16 @@ pub(crate) fn write(options: &RenderOptions, finished: Finished) -> Result<Repor
         Ok(output.path.display().to_string())
     };
     let (parts, images): (Vec<_>, Vec<_>) = options.targets().into_iter().partition(OutputFile::holds_sums);
-    let mut saved: Vec<_> = parts.iter().map(|output| save(output, kept::encode(&about, &sums))).collect();
+    let mut saved: Vec<_> =
+        parts.iter().map(|output| save(output, kept::encode(&about, pilot.as_deref(), &sums))).collect();
     if !images.is_empty() {
-        let (image, stderr) = develop(sums.into_parts().0)?;
+        let with_errors = images.iter().any(|output| output.format == Format::Exr);
+        let (image, stderr) = develop(sums.into_parts().0, with_errors)?;
         let encode = |output: &OutputFile| match output.format == Format::Exr {
             true => exr::encode(&image, stderr.as_deref(), &attributes),
             false => png::encode(&image, options.exposure),
         };
-        saved.extend(images.iter().map(|output| save(output, encode(output))));
+        saved.par_extend(images.par_iter().map(|output| save(output, encode(output))));
     }
     let mut failure = None;
     for name in saved {
@@ -47,13 +50,13 @@ pub(crate) fn write(options: &RenderOptions, finished: Finished) -> Result<Repor
 /// Standard errors of the channels of all pixels.
 type Errors = Vec<[f32; 3]>;
 
-/// The image and its standard errors; `None` where one round tells nothing of them.
-pub(super) fn develop(mut film: Film<3>) -> anyhow::Result<(Image, Option<Errors>)> {
+/// The image and, if they are asked for, its standard errors; `None` where one round tells nothing of them.
+pub(super) fn develop(mut film: Film<3>, with_errors: bool) -> anyhow::Result<(Image, Option<Errors>)> {
     film.finish();
     let [width, height] = film.size().map(|n| n as usize);
     let image = Image::new(width, height, film.means())?;
     let errors = || film.standard_errors().into_iter().map(|e| e.map(|x| x as f32)).collect();
-    let stderr = (film.rounds() > 1).then(errors);
+    let stderr = (with_errors && film.rounds() > 1).then(errors);
     Ok((image, stderr))
 }
 

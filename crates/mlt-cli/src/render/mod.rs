@@ -5,6 +5,7 @@ mod checkpoint;
 mod files;
 mod key;
 mod losses;
+mod pilot;
 mod plan;
 mod pose;
 mod session;
@@ -16,6 +17,10 @@ mod trust;
 use std::{io::Write, time::Duration};
 
 use anyhow::Context;
+use mlt_core::transport::{
+    render::{Sums, film_of},
+    scene::View,
+};
 use mlt_scene::printable;
 
 use crate::{
@@ -39,8 +44,12 @@ pub(crate) use summary::report;
 /// Renders, writes the files, and reports.
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     options.check()?;
+    go_on(options, options.keeping.resume.as_deref().map(kept::read).transpose()?)
+}
+
+/// The same from rounds that there are already.
+pub(crate) fn go_on(options: &RenderOptions, kept: Option<Kept>) -> Result<(), Failure> {
     let setup = Setup::new(options)?;
-    let kept = options.keeping.resume.as_deref().map(kept::read).transpose()?;
     let held = kept.as_ref().map(Kept::per_pixel).transpose()?;
     let plan = Plan::new(options, held);
     plan.check()?;
@@ -55,6 +64,16 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let report = pool.install(|| write(options, finished))?;
     show(options, &report)?;
     if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// Whether rounds are all that a render makes. Those of another render are refused.
+pub(crate) fn is_done(options: &RenderOptions, kept: &Kept) -> Result<bool, Failure> {
+    let (setup, per_pixel) = (Setup::new(options)?, kept.per_pixel()?);
+    let view = View { scene: &setup.scene, camera: &setup.camera };
+    let (own, mut sums) = (Plan::new(options, Some(per_pixel)).own(), Sums::new(film_of(view)));
+    sums = sums.with_key(key::key(options, &setup, per_pixel)?);
+    kept.resume(&mut sums, own.clone())?;
+    Ok(sums.rounds().missing(own).is_empty())
 }
 
 /// An image in memory, and how it came about.
@@ -75,7 +94,7 @@ pub(crate) fn in_memory(options: &RenderOptions, setup: &Setup, interrupt: &Inte
     let Finished { sums, report, .. } = finished;
     let film = sums.into_parts().0;
     let blocks = film.blocks().into();
-    let (image, stderr) = files::develop(film)?;
+    let (image, stderr) = files::develop(film, true)?;
     Ok(Rendered { image, stderr, report, blocks })
 }
 

@@ -12,6 +12,7 @@ use super::{
     Plan, Setup,
     checkpoint::Checkpoint,
     key::{arguments, key},
+    pilot::renderer,
     speed::Round,
     summary::{provenance, report},
 };
@@ -35,6 +36,8 @@ const BYTES_PER_SAMPLE: f64 = 64.0;
 pub(crate) struct Finished {
     /// Its rounds.
     pub sums: Sums,
+    /// What its pilot found, if it has one.
+    pub pilot: Option<Vec<u8>>,
     /// Which render they are of.
     pub about: About,
     /// Its report, without the files.
@@ -58,12 +61,15 @@ pub(super) fn run(
     let Round { per_pixel, time } = Round::new(options, view, &plan, interrupt);
     require_memory_for_round(options.method(), per_pixel, setup)?;
     let mut sums = Sums::new(film_of(view)).with_key(key(options, setup, per_pixel)?);
-    let before = kept.map_or(Ok(Spent::NONE), |kept| kept.resume(&mut sums, plan.own()))?;
+    let before = kept.as_ref().map_or(Ok(Spent::NONE), |kept| kept.resume(&mut sums, plan.own()))?;
     let go_on = || interrupt.go_on();
     info!("a round is {per_pixel} {} per pixel; {plan}", options.method().unit());
     let tell = |share| progress.prepare(share);
     let watch = Watch::new(&go_on).reporting(&tell);
-    let renderer = Renderer::watched(view, options.settings(per_pixel), watch).ok_or_else(too_early)?;
+    let known = (kept.as_ref(), &options.keeping);
+    let renderer = renderer(view, options.settings(per_pixel), known, sums.key(), watch)?;
+    let pilot = renderer.pilot();
+    drop(kept);
     info!("set up after {:.3} s{}", start.elapsed().as_secs_f64(), decision(&renderer));
     let ending = Ending::new(plan.limits(), LUMINANCE, start).expecting(time).showing_error(progress.is_shown());
     let provenance = provenance(options, setup);
@@ -79,7 +85,7 @@ pub(super) fn run(
         before,
         held: sums.rounds().count(),
     };
-    let mut checkpoint = Checkpoint::new(&options.keeping);
+    let mut checkpoint = Checkpoint::new(&options.keeping, pilot.as_deref());
     let outcome = session.renderer.render_until(&ending, plan.own().start, &mut sums, &mut |at, sums| {
         progress.update(&at, session.rate(at.rounds));
         if at.rounds.fract() == 0.0 {
@@ -99,7 +105,7 @@ pub(super) fn run(
         return Err(too_early());
     }
     let report = session.report(&sums, outcome == Outcome::Stopped && interrupt.requested());
-    Ok(Finished { about: session.about()?, sums, report, per_pixel })
+    Ok(Finished { about: session.about()?, pilot, sums, report, per_pixel })
 }
 
 /// What a pilot has decided, if it had a choice.
@@ -116,7 +122,8 @@ fn ending_words(outcome: Outcome, interrupt: &Interrupt) -> &'static str {
     }
 }
 
-fn too_early() -> Failure {
+/// The failure of a render that is stopped before anything is worth keeping.
+pub(super) fn too_early() -> Failure {
     Failure::InterruptedEarly(anyhow::anyhow!("interrupted before the first round was finished; nothing is written"))
 }
 

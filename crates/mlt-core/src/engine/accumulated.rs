@@ -1,7 +1,7 @@
 //! Sums of rounds: all that has to outlive a process.
 
 use super::bytes::{put_list, put_text};
-use super::{Counted, DecodeError, Film, MergeError, Rounds, sealed, unsealed};
+use super::{Counted, DecodeError, Film, MergeError, Reader, Rounds, sealed, unsealed};
 
 /// First bytes of the format.
 const MAGIC: [u8; 8] = *b"mlt-sums";
@@ -70,7 +70,7 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
     ///
     /// Changes nothing if the keys differ, if the films do, or if both parts hold a round.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
-        if let Some(difference) = self.difference(other) {
+        if let Some(difference) = key_difference(&self.key, &other.key) {
             return Err(difference);
         }
         self.film.merge(&other.film)?;
@@ -78,24 +78,11 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         Ok(())
     }
 
-    /// The first entry of the keys that differs, if they are not of one render.
-    pub fn difference(&self, other: &Self) -> Option<MergeError> {
-        let value = |key: &Key, name: &str| {
-            key.iter().find(|(other, _)| other == name).map_or_else(|| "missing".into(), |(_, value)| value.clone())
-        };
-        let names = self.key.iter().chain(&other.key).map(|(name, _)| name);
-        let differing = names.map(|name| (name, [value(&self.key, name), value(&other.key, name)]));
-        let first = differing.into_iter().find(|(_, [a, b])| a != b);
-        first.map(|(name, values)| MergeError::Key { name: name.clone(), values })
-    }
-
     /// All of it but the round that is being made: the same bytes for the same rounds.
     pub fn to_bytes(&self) -> Vec<u8> {
         sealed(MAGIC, VERSION, |bytes| {
             bytes.extend((C as u32).to_le_bytes());
-            put_list(bytes, &self.key, |to, (name, value)| {
-                [name, value].into_iter().for_each(|text| put_text(to, text))
-            });
+            put_key(bytes, &self.key);
             self.film.write(bytes);
             self.tally.write(bytes);
         })
@@ -113,10 +100,33 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
             if channels != C as u32 {
                 return Err(DecodeError::Channels(channels));
             }
-            let key = from.list(|from| Ok((from.text()?, from.text()?)))?;
-            Ok(Self { key, film: Film::read(from)?, tally: T::read(from)? })
+            Ok(Self { key: read_key(from)?, film: Film::read(from)?, tally: T::read(from)? })
         })
     }
+}
+
+/// The first entry that differs, if two keys are not of one render.
+pub fn key_difference(a: &Key, b: &Key) -> Option<MergeError> {
+    let value = |key: &Key, name: &str| {
+        key.iter().find(|(other, _)| other == name).map_or_else(|| "missing".into(), |(_, value)| value.clone())
+    };
+    let differing = a.iter().chain(b).map(|(name, _)| (name, [value(a, name), value(b, name)]));
+    let first = differing.into_iter().find(|(_, [a, b])| a != b);
+    first.map(|(name, values)| MergeError::Key { name: name.clone(), values })
+}
+
+/// Appends a key to bytes.
+pub fn put_key(to: &mut Vec<u8>, key: &Key) {
+    put_list(to, key, |to, (name, value)| [name, value].into_iter().for_each(|text| put_text(to, text)));
+}
+
+/// Reads what [`put_key`] has written.
+///
+/// # Errors
+///
+/// If the bytes were not written by it.
+pub fn read_key(from: &mut Reader) -> Result<Key, DecodeError> {
+    from.list(|from| Ok((from.text()?, from.text()?)))
 }
 
 #[cfg(test)]

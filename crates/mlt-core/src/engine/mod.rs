@@ -43,11 +43,11 @@ mod tally;
 mod warning;
 mod watch;
 
-pub use accumulated::{Accumulated, Key};
+pub use accumulated::{Accumulated, Key, key_difference, put_key, read_key};
 pub use agreement::HalfChains;
 pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, MUTATIONS_PER_SAMPLE, allocate, shares_by_power};
 pub use blocks::{Blocks, Grid};
-pub use bytes::{Counted, DecodeError, Reader, put, put_list, put_text};
+pub use bytes::{Counted, DecodeError, Reader, put, put_chunk, put_list, put_text};
 pub use chain::Chain;
 pub use coverage::Coverage;
 pub use deposit::{Deposit, Deposits, Lost, Sink};

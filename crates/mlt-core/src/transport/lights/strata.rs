@@ -256,7 +256,7 @@ fn grid_cells(light: u32, [nu, nv]: [u32; 2]) -> impl Iterator<Item = Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Purpose, generator, uniform};
+    use crate::engine::{Purpose, generator, sealed, uniform, unsealed};
     use crate::transport::colour::Rgb;
     use crate::transport::geometry::Mesh;
     use crate::transport::scene::Material;
@@ -285,6 +285,36 @@ mod tests {
         let primitives: Vec<[Vec3; 3]> =
             meshes.iter().flat_map(|m| m.triangles.iter().map(|t| corner(m, t)).collect::<Vec<_>>()).collect();
         Lights::new(&meshes, &materials, &[], &primitives)
+    }
+
+    /// What is read back from a partition's bytes, after a change of its parts.
+    fn read_back(lights: &Lights, strata: &LightStrata, change: impl Fn(&mut Vec<Vec<Cell>>)) -> Option<LightStrata> {
+        let mut parts: Vec<_> = strata.regions().iter().map(|region| region.cells().to_vec()).collect();
+        change(&mut parts);
+        let write = |to: &mut Vec<u8>| put_list(to, &parts, |to, part| put_list(to, part, |to, cell| cell.write(to)));
+        let bytes = sealed(*b"a strata", 1, write);
+        unsealed(&bytes, *b"a strata", 1, |from| LightStrata::read(lights, from)).ok()
+    }
+
+    #[test]
+    fn what_is_read_back_is_a_partition() {
+        for lights in [lights(&[1.0], 0), lights(&[1.0, 40.0, 3.0, 0.01, 7.0], 0), lights(&[2.0, 1.0, 5.0], 50)] {
+            for cut in [Stratification::None, Stratification::Count(7), Stratification::Grid(3, 5)] {
+                let strata = LightStrata::new(&lights, cut);
+                let same = read_back(&lights, &strata, |_| ()).expect("a partition");
+                let cells =
+                    |strata: &LightStrata| strata.regions().iter().flat_map(|r| r.cells().to_vec()).collect::<Vec<_>>();
+                assert!(cells(&same) == cells(&strata) && same.table == strata.table);
+                let changes: [fn(&mut Vec<Vec<Cell>>); 5] = [
+                    |parts| drop(parts.pop()),
+                    |parts| parts.push(parts[0].clone()),
+                    |parts| parts.push(Vec::new()),
+                    |parts| parts[0][0].light = 99,
+                    |parts| parts[0][0].high.y *= 0.9,
+                ];
+                assert!(changes.into_iter().all(|change| read_back(&lights, &strata, change).is_none()), "{cut:?}");
+            }
+        }
     }
 
     /// Every point lies in the region that its index names and in no other, and powers add up.
