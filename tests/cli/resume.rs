@@ -281,6 +281,12 @@ fn a_file_tells_what_it_holds() {
     let part = facts("a.mltp");
     assert_eq!((&part["rounds"], &part["rounds_of_render"]), (&"4 to 7".into(), &"0 to 15".into()));
     assert_eq!((&part["image"], &part["key.seed"]), (&"16x16".into(), &"0".into()));
+    made(&folder, &format!("{SCENE} --method mlt --mutations-per-pixel 8 --shard 2/4 -o b.mltp --threads 2"));
+    made(&folder, &format!("{SCENE} --method mlt --mutations-per-pixel 8 --shard 3/4 -o c.mltp"));
+    assert_eq!(part["checksum"], facts("b.mltp")["checksum"]);
+    assert_ne!(part["checksum"], facts("c.mltp")["checksum"]);
+    made(&folder, &format!("{SCENE} --method mlt --mutations-per-pixel 8 --pilot a.pilot -o d.png"));
+    assert_eq!(facts("a.pilot")["key.seed"], "0");
     assert_eq!((&facts("a.exr")["first_round"], &facts("a.exr")["method"]), (&"4".into(), &"mlt".into()));
     assert!(refused(&folder, "info a.png").contains("says nothing"));
     assert!(refused(&folder, "info none.exr").contains("none.exr: No such file"));

@@ -14,6 +14,9 @@ use crate::{
     print,
 };
 
+/// Bytes of the checksum that sums end with.
+const SUM: usize = 32;
+
 /// Names and values of what a file holds.
 type Facts = Vec<(String, String)>;
 
@@ -50,9 +53,16 @@ fn of_sums(kept: &Kept) -> Facts {
         ("rounds", held.to_string()),
         ("rounds_of_render", about.whole.as_ref().map_or_else(|| "as many as time or error allow".into(), words)),
         ("seconds", about.spent.clock.as_secs_f64().to_string()),
+        ("checksum", checksum(kept)),
     ];
     let facts = facts.map(|(name, value)| (name.to_owned(), value));
     facts.into_iter().chain(of_key(kept.sums.key())).collect()
+}
+
+/// BLAKE3 of the sums: the same for the same bits, whatever the time that they took.
+fn checksum(kept: &Kept) -> String {
+    let bytes = kept.sums.to_bytes();
+    bytes[bytes.len() - SUM..].iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn of_pilot(pilot: &Pilot) -> Facts {
