@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Subcommand};
 
-use super::{Cli, Command, kept::Shard, render::RenderOptions};
-use crate::Failure;
+use super::kept::Shard;
 
 /// Most parts of a job.
 const MOST_PARTS: u64 = 1_000_000;
@@ -68,20 +67,4 @@ pub struct PartedOptions {
     /// The scene and the options of 'mlt render', after '--'
     #[arg(last = true, value_name = "RENDER OPTIONS")]
     pub words: Vec<String>,
-}
-
-impl PartedOptions {
-    /// The options of a part of the render.
-    pub fn options(&self, shard: Shard) -> Result<RenderOptions, Failure> {
-        let shard = format!("--shard={shard}");
-        let words = ["mlt", "render", &shard].into_iter().chain(self.words.iter().map(String::as_str));
-        match Cli::try_parse_from(words).map(|cli| cli.command) {
-            Ok(Command::Render(options)) => Ok(*options),
-            Ok(_) => Err(Failure::Usage(anyhow::anyhow!("the options of 'mlt render' are not understood"))),
-            Err(error) => match Failure::from_clap(&error) {
-                Ok(()) => Err(Failure::Usage(anyhow::anyhow!("help and version are not options of a farm's render"))),
-                Err(failure) => Err(failure),
-            },
-        }
-    }
 }

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
+use clap::Parser;
 
 use crate::{
     Failure,
     args::{
+        Cli, Command,
         farm::{JobOptions, PartedOptions},
         kept::Shard,
         render::RenderOptions,
@@ -14,6 +16,7 @@ use crate::{
     },
     output::{self, OutputFile},
     render::Plan,
+    usage,
 };
 
 /// What the jobs of all schedulers are made of. Words are quoted for a POSIX shell.
@@ -35,7 +38,7 @@ pub(super) struct Job {
 impl Job {
     /// Finds what is wrong with a job before anything is submitted.
     pub(super) fn new(options: &JobOptions) -> Result<Self, Failure> {
-        let render = options.render.options(Shard::new(1, options.shards))?;
+        let render = options_of(Shard::new(1, options.shards), &options.render)?;
         check(&render)?;
         let folder = std::env::current_dir().context("cannot find the current folder")?;
         let outputs = render.images();
@@ -66,6 +69,19 @@ impl Job {
     /// The command that makes the images from the parts.
     pub(super) fn merge(&self) -> String {
         format!("mlt merge {}/part-*.mltp {}", self.parts, self.outputs)
+    }
+}
+
+/// The options of a part of a render.
+pub(super) fn options_of(part: Shard, options: &PartedOptions) -> Result<RenderOptions, Failure> {
+    let shard = format!("--shard={part}");
+    let words = ["mlt", "render", &shard].into_iter().chain(options.words.iter().map(String::as_str));
+    let refused = |message: &str| Err(Failure::Usage(anyhow!("{message}")));
+    match Cli::try_parse_from(words).map(|cli| cli.command) {
+        Ok(Command::Render(options)) => Ok(*options),
+        Ok(_) => refused("the options of 'mlt render' are not understood"),
+        Err(error) if error.use_stderr() => refused(&usage::sentence(&error)),
+        Err(_) => refused("help and version are not options of a farm's render"),
     }
 }
 

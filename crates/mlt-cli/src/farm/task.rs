@@ -7,7 +7,7 @@ use std::{fs, path::Path};
 
 use anyhow::Context;
 
-use super::job::{check_words, parts_folder};
+use super::job::{check_words, options_of, parts_folder};
 use crate::{
     Failure,
     args::{farm::TaskOptions, kept::KeptOptions, render::RenderOptions},
@@ -18,7 +18,7 @@ use crate::{
 
 /// Makes the part, unless it is there.
 pub(super) fn run(options: &TaskOptions) -> Result<(), Failure> {
-    let mut render = options.render.options(options.shard)?;
+    let mut render = options_of(options.shard, &options.render)?;
     check_words(&render)?;
     let folder = parts_folder(&options.render, &render);
     fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;

@@ -6,7 +6,7 @@ use anyhow::{Context, anyhow};
 use mlt_core::engine::{Key, MergeError, key_difference, put_chunk, put_key, read_key, sealed, unsealed};
 
 use super::file::bytes_of;
-use crate::{Failure, output::atomic};
+use crate::{Failure, atomic};
 
 /// The first bytes of every such file.
 pub const MAGIC: [u8; 8] = *b"mlt-pilo";

@@ -10,9 +10,8 @@ use std::{
 
 use anyhow::{Context, bail};
 
-use crate::{image::Image, kept};
+use crate::{atomic, image::Image, kept};
 
-pub mod atomic;
 pub mod exr;
 pub mod png;
 

@@ -10,8 +10,8 @@ use tracing::info;
 
 use crate::{
     args::kept::KeptOptions,
+    atomic,
     kept::{self, About},
-    output::atomic,
     warn,
 };
 

@@ -10,9 +10,10 @@ use crate::{
         render::RenderOptions,
         written::{command_line, shell_word, written},
     },
+    atomic,
     image::Image,
     kept,
-    output::{Format, OutputFile, atomic, exr, png},
+    output::{Format, OutputFile, exr, png},
     report::Report,
 };
 

@@ -23,7 +23,8 @@ use crate::{
     interrupt::Interrupt,
     kept::{About, Kept, Spent},
     progress::Progress,
-    report::{Decision, Provenance, Report},
+    provenance::Provenance,
+    report::{Decision, Report},
 };
 
 /// Bytes of a round for each of its mutations: a quarter of an independent sample, whose weight is held twice while it is gathered, and

@@ -13,7 +13,7 @@ use crate::{
     Failure,
     args::{render::RenderOptions, values::Size},
     memory,
-    report::{CameraUsed, Provenance},
+    provenance::{CameraUsed, Provenance},
     take_memory, warn_all,
 };
 

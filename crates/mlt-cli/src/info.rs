@@ -6,10 +6,10 @@ use anyhow::{Context, anyhow};
 use mlt_core::engine::Key;
 use mlt_scene::printable;
 
-use super::{Kept, pilot::Pilot, read, words};
 use crate::{
     Failure,
     args::{merge::InfoOptions, written::shell_word},
+    kept::{Kept, pilot::Pilot, read, words},
     output::{self, Format, exr},
     print,
 };

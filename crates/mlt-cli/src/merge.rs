@@ -1,11 +1,12 @@
 //! `mlt merge`: one render from its parts.
 
 use anyhow::{Context, anyhow};
+use clap::Parser;
 
-use super::{Kept, read, words};
 use crate::{
     Failure,
-    args::{merge::MergeOptions, render::RenderOptions},
+    args::{Cli, Command, merge::MergeOptions, render::RenderOptions},
+    kept::{Kept, read, words},
     output::{self, OutputFile},
     render::{self, Finished},
 };
@@ -61,10 +62,13 @@ impl Kept {
 
     /// The options of the whole render, for these files.
     fn render_options(&self, merge: &MergeOptions) -> anyhow::Result<RenderOptions> {
-        let of_render = self.about.options()?;
+        let words = ["mlt", "render"].into_iter().chain(self.about.arguments.iter().map(String::as_str));
+        let Ok(Command::Render(of_render)) = Cli::try_parse_from(words).map(|cli| cli.command) else {
+            return Err(anyhow!("the options in it are not understood"));
+        };
         let exposure = merge.exposure.unwrap_or(of_render.exposure);
         let (outputs, json, quiet) = (merge.outputs.clone(), merge.json, merge.quiet);
-        Ok(RenderOptions { outputs, exposure, json, quiet, ..of_render })
+        Ok(RenderOptions { outputs, exposure, json, quiet, ..*of_render })
     }
 
     /// The render as if it had just ended.
