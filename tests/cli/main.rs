@@ -4,11 +4,14 @@ mod bench;
 mod bench_browser;
 mod diff;
 mod farm;
+mod formats;
+mod frames;
 #[cfg(unix)]
 mod interrupt;
 mod progress;
 mod render;
 mod resume;
+mod seeing;
 mod usage;
 mod verify;
 mod verify_controls;

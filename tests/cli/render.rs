@@ -275,7 +275,7 @@ fn wrong_usage_is_refused_before_anything_is_rendered() {
         ("--camera left", "cornell: there is no camera \"left\""),
         ("light.obj --camera left", "it has none"),
         ("-o none/a.exr", "the folder none does not exist"),
-        ("-o a.jpg", "has to end in .exr or .png"),
+        ("-o a.gif", "has to end in .exr, .hdr, .png or .jpg"),
         ("-o a.exr -o a.exr", "given twice"),
         ("--method pt --mutations-per-pixel 8", "pt is not told how many to make; use --samples-per-pixel"),
         ("--method bdpt --mutations-per-pixel 8", "bdpt is not told how many to make; use --samples-per-pixel"),

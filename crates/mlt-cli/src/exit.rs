@@ -1,6 +1,6 @@
 //! Why the program ends, and with which code.
 
-use std::process::ExitCode;
+use std::{fmt, process::ExitCode};
 
 use crate::{interrupt, terminal};
 
@@ -23,6 +23,15 @@ impl From<anyhow::Error> for Failure {
     }
 }
 
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usage(error) | Self::Run(error) | Self::InterruptedEarly(error) => write!(f, "{error:#}"),
+            Self::Interrupted => f.write_str("interrupted"),
+        }
+    }
+}
+
 impl Failure {
     /// A run that failed, with a sentence that says why.
     pub(crate) fn run(message: String) -> Self {
@@ -31,13 +40,13 @@ impl Failure {
 
     /// Says on standard error what is wrong and gives the exit code.
     pub(crate) fn report(&self) -> ExitCode {
-        let (error, code) = match self {
-            Self::Usage(error) => (error, 2),
-            Self::Run(error) => (error, 1),
-            Self::InterruptedEarly(error) => (error, interrupt::exit_code()),
+        let code = match self {
+            Self::Usage(_) => 2,
+            Self::Run(_) => 1,
+            Self::InterruptedEarly(_) => interrupt::exit_code(),
             Self::Interrupted => return ExitCode::from(interrupt::exit_code()),
         };
-        terminal::complain("error", &format!("{error:#}"));
+        terminal::complain("error", &self.to_string());
         ExitCode::from(code)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::Context;
 use mlt_core::engine::Key;
 use mlt_scene::printable;
 
@@ -10,7 +10,7 @@ use crate::{
     Failure,
     args::{merge::InfoOptions, written::shell_word},
     kept::{Kept, pilot::Pilot, read, words},
-    output::{self, Format, exr},
+    output::{self, Format},
     print,
 };
 
@@ -23,14 +23,11 @@ type Facts = Vec<(String, String)>;
 /// Prints what the file holds.
 pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     let path = &options.file;
-    let format = output::format_of(path).with_context(|| path.display().to_string()).map_err(Failure::Usage)?;
+    let format = Format::of_file(path).with_context(|| path.display().to_string()).map_err(Failure::Usage)?;
     let facts = match format {
         Format::Sums => of_sums(&read(path)?),
-        Format::Exr => of_image(path).map_err(Failure::Usage)?,
         Format::Pilot => of_pilot(&Pilot::read(path).map_err(Failure::Usage)?),
-        Format::Png => {
-            return Err(Failure::Usage(anyhow!("{}: a PNG file says nothing of its render", path.display())));
-        }
+        _ => of_image(path, format).map_err(Failure::Usage)?,
     };
     let text = if options.json {
         let object: serde_json::Map<_, _> = facts.into_iter().map(|(name, value)| (name, value.into())).collect();
@@ -75,12 +72,12 @@ fn of_key(key: &Key) -> impl Iterator<Item = (String, String)> {
     key.iter().map(|(name, value)| (format!("key.{name}"), value.clone()))
 }
 
-fn of_image(path: &Path) -> anyhow::Result<Facts> {
-    let file = output::without_panic(|| exr::read(path)).with_context(|| format!("{}: damaged", path.display()))??;
+fn of_image(path: &Path, format: Format) -> anyhow::Result<Facts> {
+    let ([width, height], attributes) = output::read_attributes(path, format)?;
     let of_ours = |(name, value): &(String, String)| Some((name.strip_prefix("mlt.")?.to_owned(), value.clone()));
     let facts = [
-        ("kind".to_owned(), "an OpenEXR image".to_owned()),
-        ("image".to_owned(), format!("{}x{}", file.image.width, file.image.height)),
+        ("kind".to_owned(), format!("{} image", format.in_words())),
+        ("image".to_owned(), format!("{width}x{height}")),
     ];
-    Ok(facts.into_iter().chain(file.attributes.iter().filter_map(of_ours)).collect())
+    Ok(facts.into_iter().chain(attributes.iter().filter_map(of_ours)).collect())
 }

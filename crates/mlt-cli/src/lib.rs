@@ -9,6 +9,7 @@ use clap::Parser;
 pub mod args;
 pub mod atomic;
 pub mod bench;
+pub mod denoise;
 pub mod diff;
 mod exit;
 pub mod farm;
@@ -33,7 +34,7 @@ pub mod verify;
 
 pub use exit::Failure;
 pub use system::{check_memory, cpu_seconds, memory, require_memory, take_memory};
-pub use terminal::{print, warn, warn_all};
+pub use terminal::{print, tell, warn, warn_all};
 
 /// Runs the program with the arguments of this process.
 pub fn main() -> ExitCode {

@@ -8,12 +8,12 @@ use crate::{
     args::{Cli, Command, merge::MergeOptions, render::RenderOptions},
     kept::{Kept, read, words},
     output::{self, OutputFile},
-    render::{self, Finished},
+    render::{self, Features, Finished, Made},
 };
 
 /// Adds the parts up, one at a time in memory beside the sum, and writes the files.
 pub fn run(options: &MergeOptions) -> Result<(), Failure> {
-    output::check_targets(&options.outputs).map_err(Failure::Usage)?;
+    output::check_targets(&options.outputs, options.json).map_err(Failure::Usage)?;
     let mut parts = options.parts.iter().map(|path| read(path));
     let mut sum = parts.next().unwrap_or_else(|| Err(Failure::Usage(anyhow!("no part is given"))))?;
     for part in parts {
@@ -25,7 +25,7 @@ pub fn run(options: &MergeOptions) -> Result<(), Failure> {
     let options =
         sum.render_options(options).with_context(|| sum.path.display().to_string()).map_err(Failure::Usage)?;
     let finished = sum.finished(&options)?;
-    let report = render::write(&options, finished)?;
+    let report = render::write(&options, finished.made, &finished.sums)?;
     render::show(&options, &report)
 }
 
@@ -75,6 +75,8 @@ impl Kept {
     fn finished(self, options: &RenderOptions) -> anyhow::Result<Finished> {
         let mut report = render::report(options, &self.about.provenance, &self.sums);
         report.set_time(self.about.spent);
-        Ok(Finished { per_pixel: self.per_pixel()?, pilot: self.pilot, sums: self.sums, about: self.about, report })
+        let (per_pixel, features) = (self.per_pixel()?, Features::default());
+        let made = Made { per_pixel, pilot: self.pilot, about: self.about, report, features };
+        Ok(Finished { sums: self.sums, made })
     }
 }

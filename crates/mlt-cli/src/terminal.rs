@@ -38,6 +38,11 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     }
 }
 
+/// Writes to standard error. Nobody is left to tell when that fails.
+pub fn tell(text: &str) {
+    let _ = anstream::stderr().write_all(text.as_bytes());
+}
+
 /// Writes a warning to standard error.
 pub fn warn(text: &str) {
     complain("warning", text);
@@ -52,7 +57,7 @@ pub fn warn_all(warnings: &[String]) {
     }
 }
 
-/// One line on standard error, fit for a terminal whatever the text is. Nobody is left to tell when that fails.
+/// One line on standard error, fit for a terminal whatever the text is.
 pub(crate) fn complain(kind: &str, text: &str) {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let colour = if kind == "error" { AnsiColor::Red } else { AnsiColor::Yellow };

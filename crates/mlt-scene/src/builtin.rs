@@ -1,7 +1,8 @@
 //! Scenes that are part of the program.
 
 use crate::{
-    LoadOptions, Loaded, SceneError, gltf_file,
+    LoadOptions, Loaded, SceneError,
+    gltf_file::{self, Kept},
     source::{Embedded, Source},
 };
 use mlt_core::memory::Memory;
@@ -38,11 +39,11 @@ pub const BUILTIN: &[BuiltIn] = &[
 
 /// The built-in scene of that name; `None`: there is no such scene.
 pub fn builtin(name: &str) -> Option<Result<Loaded, SceneError>> {
-    read(name, &LoadOptions::default())
+    read(name, &LoadOptions::default(), &mut Kept::default())
 }
 
 /// The same as `options` say.
-pub(crate) fn read(name: &str, options: &LoadOptions) -> Option<Result<Loaded, SceneError>> {
+pub(crate) fn read(name: &str, options: &LoadOptions, kept: &mut Kept) -> Option<Result<Loaded, SceneError>> {
     let scene = BUILTIN.iter().find(|scene| scene.name == name)?;
-    Some(gltf_file::load(&Source::embedded(scene.files, &Memory::unlimited()), options))
+    Some(gltf_file::load(&Source::embedded(scene.files, &Memory::unlimited()), options, kept))
 }

@@ -22,8 +22,11 @@ pub(crate) struct Source<'a> {
     embedded: Option<Embedded>,
     memory: &'a Memory,
     /// Hashes of the files that were read, by their names.
-    hashes: Mutex<BTreeMap<String, blake3::Hash>>,
+    hashes: Mutex<Hashes>,
 }
+
+/// Hashes of files, by their names.
+pub(crate) type Hashes = BTreeMap<String, blake3::Hash>;
 
 impl<'a> Source<'a> {
     /// A file on disk.
@@ -52,6 +55,16 @@ impl<'a> Source<'a> {
             hasher.update(&(name.len() as u64).to_le_bytes()).update(name.as_bytes()).update(hash.as_bytes());
         }
         hasher.finalize().to_hex().to_string()
+    }
+
+    /// The hashes of the files that were read.
+    pub(crate) fn hashes(&self) -> Hashes {
+        self.hashes.lock().expect("no thread has failed").clone()
+    }
+
+    /// Counts files as read that were read before, when they had these hashes.
+    pub(crate) fn note(&self, hashes: &Hashes) {
+        self.hashes.lock().expect("no thread has failed").extend(hashes.clone());
     }
 
     /// The content of a file, once it is in the digest.

@@ -12,6 +12,8 @@ pub const METHOD: &str = "Method";
 pub const OUTPUT: &str = "Output";
 /// What is lit.
 pub const SCENE: &str = "Scene";
+/// Many images of what moves.
+pub const ANIMATION: &str = "Animation";
 /// How files of other programs are read.
 pub const FILES: &str = "Files of Blender and other programs";
 /// Renders that outlive their process.

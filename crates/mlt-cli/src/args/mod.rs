@@ -7,8 +7,10 @@ use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 pub mod aperture;
 pub mod bench;
 pub mod contestant;
+pub mod crop;
 pub mod environment;
 pub mod farm;
+pub mod frames;
 pub mod heading;
 pub mod kept;
 pub mod line;
@@ -16,6 +18,7 @@ pub mod merge;
 pub mod perturbations;
 pub mod render;
 pub mod scene;
+pub mod show;
 pub mod tools;
 pub mod transport;
 pub mod values;
@@ -102,11 +105,11 @@ a: luminance of the reference, b: luminance of the image, means over the pixels.
   relMSE        mean (a-b)^2 / (a^2 + 0.01)
   MAPE          mean |a-b| / max(a, 0.001), as a fraction
   mean ratio    mean b / mean a
-  FLIP          mean HDR-FLIP of linear images, the reference choosing the exposures; LDR-FLIP if both are PNG")]
+  FLIP          mean HDR-FLIP of linear images, the reference choosing the exposures; LDR-FLIP if both are PNG or JPEG")]
 pub struct DiffOptions {
-    /// The image that is taken for true, OpenEXR or PNG
+    /// The image that is taken for true: OpenEXR, Radiance HDR, PNG or JPEG
     pub reference: PathBuf,
-    /// Images to measure, OpenEXR or PNG, of the reference's size
+    /// Images to measure, of the reference's size
     #[arg(required = true, value_name = "IMAGE")]
     pub images: Vec<PathBuf>,
     /// Print a list of objects instead of a table

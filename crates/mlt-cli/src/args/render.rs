@@ -5,11 +5,13 @@ use std::{ffi::OsStr, num::NonZeroUsize, path::PathBuf, time::Duration};
 use clap::{ArgGroup, Args, ValueHint};
 use mlt_core::transport::render::Settings;
 
+use super::frames::{FrameOptions, FrameSeeds};
 use super::heading;
 use super::kept::KeptOptions;
 use super::scene::SceneOptions;
+use super::show::ShowOptions;
 use super::transport::{Method, TransportOptions};
-use super::values::{duration, exposure, per_pixel, relative_error, threads};
+use super::values::{Size, duration, exposure, per_pixel, relative_error, threads};
 use super::view::ViewOptions;
 use crate::{
     Failure,
@@ -50,7 +52,7 @@ pub struct RenderOptions {
     /// Where the scene is seen from.
     #[command(flatten)]
     pub view: ViewOptions,
-    /// Exposure of PNG files in stops: 1 is twice as bright
+    /// Exposure of PNG and JPEG files in stops: 1 is twice as bright
     #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0, help_heading = heading::IMAGE)]
     pub exposure: f64,
 
@@ -77,13 +79,16 @@ pub struct RenderOptions {
     #[arg(help_heading = heading::METHOD)]
     pub threads: Option<NonZeroUsize>,
 
-    /// Write to FILE, .exr, .png or .mltp; may be given several times
+    /// Write to FILE, .exr, .hdr, .png, .jpg or .mltp; may be given several times
     ///
-    /// .exr is linear, with error bars; .png is for looking at; .mltp holds exact sums, for 'mlt merge'. SCENE.exr and SCENE.png in the
-    /// current folder if not given.
+    /// .exr is linear, with error bars; .hdr is linear; .png and .jpg are for looking at; .mltp holds exact sums, for 'mlt merge'. - is
+    /// standard output, as OpenEXR or as in png:-. SCENE.exr and SCENE.png in the current folder if not given.
     #[arg(short, long = "output", alias = "outfile", value_name = "FILE", value_hint = ValueHint::FilePath)]
     #[arg(help_heading = heading::OUTPUT)]
     pub outputs: Vec<OutputFile>,
+    /// What is seen beside the image.
+    #[command(flatten)]
+    pub show: ShowOptions,
     /// Print the report as one JSON object on standard output
     #[arg(long, help_heading = heading::OUTPUT)]
     #[arg(hide_short_help = true)]
@@ -95,6 +100,9 @@ pub struct RenderOptions {
     /// How the scene is read.
     #[command(flatten)]
     pub reading: SceneOptions,
+    /// Frames of an animation.
+    #[command(flatten)]
+    pub frames: FrameOptions,
     /// Files that outlive the process.
     #[command(flatten)]
     pub keeping: KeptOptions,
@@ -141,15 +149,35 @@ impl RenderOptions {
     /// Finds what is wrong with the options together, and with the files to write, before anything is rendered.
     pub fn check(&self) -> Result<(), Failure> {
         self.check_together()?;
+        let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
+        let targets = self.targets();
+        if let Some(target) = targets.iter().find(|target| self.frames.frames.is_some() && !target.is_numbered()) {
+            return usage(format!(
+                "-o {}: each of the --frames needs a file of its own; write #### where the frame's number goes, as in frame.####.exr",
+                target.path.display()
+            ));
+        }
         if self.keeping.shard.is_some() && !self.keeps_sums() {
-            return Err(Failure::Usage(anyhow::anyhow!(
-                "--shard: images of parts cannot be added up; add -o FILE.mltp, which 'mlt merge' takes"
-            )));
+            return usage(
+                "--shard: images of parts cannot be added up; add -o FILE.mltp, which 'mlt merge' takes".into(),
+            );
+        }
+        if self.show.features() && !targets.iter().any(|target| target.format == Format::Exr) {
+            return usage("--aov: only OpenEXR files hold further channels; add -o FILE.exr".into());
+        }
+        if self.show.denoise && targets.iter().all(|target| target.denoised().is_none()) {
+            return usage(
+                "--denoise: a denoised image is written beside an image file; add -o FILE.exr or another".into(),
+            );
         }
         if let Some(pilot) = self.keeping.pilot.as_ref().filter(|pilot| !pilot.exists()) {
             output::check_target(pilot).map_err(Failure::Usage)?;
         }
-        output::check_targets(&self.targets()).map_err(Failure::Usage)
+        // A preview may be shown where the image comes in the end.
+        let previews = self.show.files().filter(|file| targets.iter().all(|target| target.path != file.path));
+        let denoised: Vec<_> = targets.iter().filter(|_| self.show.denoise).filter_map(OutputFile::denoised).collect();
+        let files: Vec<_> = targets.iter().chain(previews).chain(&denoised).cloned().collect();
+        output::check_targets(&files, self.json).map_err(Failure::Usage)
     }
 
     /// Finds what is wrong with the options together.
@@ -175,6 +203,26 @@ impl RenderOptions {
             return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
         }
         Ok(())
+    }
+
+    /// The options of one frame's image.
+    #[must_use]
+    pub fn of_frame(&self, number: u32) -> Self {
+        let mut options = self.clone();
+        options.outputs = self.images().iter().map(|output| output.numbered(number)).collect();
+        options.reading.time_in_animation = Some(self.frames.seconds(number));
+        if self.frames.frame_seeds == FrameSeeds::Own {
+            options.transport.seed = self.transport.seed.wrapping_add(number.into());
+        }
+        options.frames.frames = None;
+        options
+    }
+
+    /// The same for an image of which this is the size, a part of it or not.
+    #[must_use]
+    pub fn of_size(&self, [width, height]: [u32; 2]) -> Self {
+        let size = Size { width: width as usize, height: height as usize };
+        Self { view: self.view.sized(size), ..self.clone() }
     }
 
     /// Whether sums are read from a file or written to one.
@@ -204,7 +252,9 @@ impl RenderOptions {
         if !self.outputs.is_empty() {
             return self.outputs.clone();
         }
-        let file = |ending: &str, format| OutputFile { path: self.named_after_scene(ending), format };
+        let number = if self.frames.frames.is_some() { ".####" } else { "" };
+        let file =
+            |ending: &str, format| OutputFile { path: self.named_after_scene(&format!("{number}{ending}")), format };
         vec![file(".exr", Format::Exr), file(".png", Format::Png)]
     }
 }
@@ -330,7 +380,7 @@ mod tests {
             ("--rounds 0", "--rounds"),
             ("--seed -1", "--seed"),
             ("--max-length 0", "--max-length"),
-            ("-o a.jpg", "has to end in .exr or .png"),
+            ("-o a.gif", "has to end in .exr, .hdr, .png or .jpg"),
             ("--exposure -1000", "between -100 and 100"),
         ] {
             let message = parse(line).expect_err(line);

@@ -97,6 +97,7 @@ impl SceneOptions {
             time_in_animation: self.time_in_animation,
             light_units: self.light_units.map(LightUnits::into),
             glass: self.glass.unwrap_or_default().into(),
+            ..LoadOptions::default()
         }
     }
 

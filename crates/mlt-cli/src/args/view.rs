@@ -5,10 +5,11 @@ use serde::Serialize;
 
 use super::{
     aperture::Aperture,
+    crop::Crop,
     heading,
     values::{Size, angle, point, positive, side},
 };
-use crate::output::MAX_SIDE;
+use crate::output::{Frame, MAX_SIDE};
 
 /// Side of an image whose size is not given, pixels.
 const USUAL_SIDE: f64 = 512.0;
@@ -31,6 +32,11 @@ pub struct ViewOptions {
     #[arg(long, value_name = "PIXELS", value_parser = side, conflicts_with = "size", help_heading = heading::IMAGE)]
     #[arg(hide_short_help = true)]
     pub height: Option<usize>,
+    /// Render only a part of the image, as in 100,50,300,200
+    ///
+    /// Its left, top, right and bottom edge, in pixels or, with a point as in 0.25,0.1,0.75,0.5, in parts of the image.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", help_heading = heading::IMAGE)]
+    pub crop: Option<Crop>,
     /// The scene's camera of this name; its first one if not given
     ///
     /// A scene without any is framed whole. 'mlt inspect SCENE' lists the cameras.
@@ -86,6 +92,13 @@ impl ViewOptions {
     /// The same view with this size.
     pub fn sized(&self, size: Size) -> Self {
         Self { size: Some(size), width: None, height: None, ..self.clone() }
+    }
+
+    /// The image, if it is a part of a larger one whose size is given.
+    pub fn frame(&self) -> anyhow::Result<Option<Frame>> {
+        let (Some(crop), Some(Size { width, height })) = (self.crop, self.size) else { return Ok(None) };
+        let window = crop.window([width, height].map(|side| side as u32))?;
+        Ok(Some(Frame { size: [width, height], corner: window.corner.map(|x| x as usize) }))
     }
 }
 

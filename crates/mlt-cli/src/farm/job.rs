@@ -94,7 +94,7 @@ fn check(render: &RenderOptions) -> Result<(), Failure> {
     check_words(render)?;
     render.check_together()?;
     Plan::new(render, None).check()?;
-    output::check_targets(&render.images()).map_err(Failure::Usage)
+    output::check_targets(&render.images(), false).map_err(Failure::Usage)
 }
 
 /// Refuses options that a farm's tasks set themselves.
@@ -105,6 +105,12 @@ pub(super) fn check_words(render: &RenderOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(anyhow!(
             "the tasks of a farm name their .mltp files themselves; leave out --checkpoint, --resume, --pilot and -o FILE.mltp"
         )));
+    }
+    if render.show.features() || render.show.denoise {
+        return Err(Failure::Usage(anyhow!("--aov and --denoise: parts hold sums of the image alone; leave them out")));
+    }
+    if render.outputs.iter().any(OutputFile::is_stdout) {
+        return Err(Failure::Usage(anyhow!("-o -: a job has no standard output; give the image a file")));
     }
     Ok(())
 }

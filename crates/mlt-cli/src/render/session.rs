@@ -11,8 +11,11 @@ use tracing::{debug, info};
 use super::{
     Plan, Setup,
     checkpoint::Checkpoint,
+    features::Features,
+    files::write,
     key::{arguments, key},
     pilot::renderer,
+    preview::Previews,
     speed::Round,
     summary::{provenance, report},
 };
@@ -25,6 +28,7 @@ use crate::{
     progress::Progress,
     provenance::Provenance,
     report::{Decision, Report},
+    tell, warn,
 };
 
 /// Bytes of a round for each of its mutations: a quarter of an independent sample, whose weight is held twice while it is gathered, and
@@ -37,14 +41,22 @@ const BYTES_PER_SAMPLE: f64 = 64.0;
 pub(crate) struct Finished {
     /// Its rounds.
     pub sums: Sums,
-    /// What its pilot found, if it has one.
-    pub pilot: Option<Vec<u8>>,
+    /// All else.
+    pub made: Made,
+}
+
+/// What there is to say of some rounds.
+pub(crate) struct Made {
     /// Which render they are of.
     pub about: About,
+    /// What its pilot found, if it has one.
+    pub pilot: Option<Vec<u8>>,
     /// Its report, without the files.
     pub report: Report,
     /// Mutations or samples a pixel of one round.
     pub per_pixel: f64,
+    /// Features of its image.
+    pub features: Features,
 }
 
 /// Renders on the current rayon pool, going on from `kept` rounds if there are some.
@@ -61,6 +73,8 @@ pub(super) fn run(
     progress.prepare(0.0);
     let Round { per_pixel, time } = Round::new(options, view, &plan, interrupt);
     require_memory_for_round(options.method(), per_pixel, setup)?;
+    let mut previews = Previews::open(options, setup.camera.size())?;
+    let features = Features::find(options, view);
     let mut sums = Sums::new(film_of(view)).with_key(key(options, setup, per_pixel)?);
     let before = kept.as_ref().map_or(Ok(Spent::NONE), |kept| kept.resume(&mut sums, plan.own()))?;
     let go_on = || interrupt.go_on();
@@ -85,13 +99,16 @@ pub(super) fn run(
         cpu,
         before,
         held: sums.rounds().count(),
+        features,
     };
     let mut checkpoint = Checkpoint::new(&options.keeping, pilot.as_deref());
     let outcome = session.renderer.render_until(&ending, plan.own().start, &mut sums, &mut |at, sums| {
         progress.update(&at, session.rate(at.rounds));
+        previews.offer(sums.film());
         if at.rounds.fract() == 0.0 {
             debug!("{} rounds, relative error {:?}, {:.1?} left", at.rounds, at.error, at.left);
             checkpoint.offer(|| session.about(), sums);
+            session.write_if(interrupt.files_are_wanted(), sums);
         }
         interrupt.go_on()
     });
@@ -102,11 +119,13 @@ pub(super) fn run(
         start.elapsed().as_secs_f64(),
         ending_words(outcome, interrupt)
     );
+    previews.show(sums.film());
     if sums.film().rounds() == 0 {
         return Err(too_early());
     }
-    let report = session.report(&sums, outcome == Outcome::Stopped && interrupt.requested());
-    Ok(Finished { about: session.about()?, pilot, sums, report, per_pixel })
+    let made = session.made(&sums, outcome == Outcome::Stopped && interrupt.requested())?;
+    sums.finish();
+    Ok(Finished { sums, made })
 }
 
 /// What a pilot has decided, if it had a choice.
@@ -144,6 +163,8 @@ struct Session<'a> {
     before: Spent,
     /// How many these are.
     held: u64,
+    /// Features of its image.
+    features: Features,
 }
 
 impl Session<'_> {
@@ -161,9 +182,27 @@ impl Session<'_> {
 
     /// Which render the rounds are of.
     fn about(&self) -> anyhow::Result<About> {
-        let size = self.setup.camera.size().map(|n| n as usize);
-        let (arguments, provenance) = (arguments(self.options, size)?, self.provenance.clone());
+        let (arguments, provenance) = (arguments(self.options)?, self.provenance.clone());
         Ok(About { arguments, provenance, whole: self.plan.whole(), spent: self.spent() })
+    }
+
+    /// What there is to say of the rounds so far.
+    fn made(&self, sums: &Sums, interrupted: bool) -> anyhow::Result<Made> {
+        let (about, report) = (self.about()?, self.report(sums, interrupted));
+        let (per_pixel, pilot) = (self.per_pixel, self.renderer.pilot());
+        Ok(Made { about, pilot, report, per_pixel, features: self.features.clone() })
+    }
+
+    /// Writes the files as they are so far, if they are wanted. One that fails leaves the render going.
+    fn write_if(&self, wanted: bool, sums: &Sums) {
+        if !wanted {
+            return;
+        }
+        let written = self.made(sums, false).map_err(Failure::from).and_then(|made| write(self.options, made, sums));
+        match written {
+            Ok(report) => tell(&format!("{} rounds so far are in {}\n", report.rounds, report.outputs.join(", "))),
+            Err(failure) => warn(&format!("{failure}; the render goes on")),
+        }
     }
 
     /// Everything but files.

@@ -4,21 +4,23 @@ use std::time::Instant;
 
 use anyhow::{Context, anyhow};
 use mlt_core::memory::Memory;
-use mlt_core::transport::scene::{Camera, Scene, SceneDescription, SurfaceName, UnusableScene};
+use mlt_core::transport::scene::{Camera, Scene, SceneDescription, SceneGeometry, SurfaceName, UnusableScene};
 use mlt_scene::Loaded;
 use tracing::info;
 
 use super::pose::pose;
 use crate::{
     Failure,
-    args::{render::RenderOptions, values::Size},
+    args::{crop::Window, render::RenderOptions, values::Size},
     memory,
     provenance::{CameraUsed, Provenance},
     take_memory, warn_all,
 };
 
-/// Bytes a pixel: the film's sums and current round, the image, and the files in the making. 172 to 180 were measured.
-const BYTES_PER_PIXEL: u64 = 192;
+/// Bytes a pixel: the film's sums and current round, the image, and the files in the making.
+const BYTES_PER_PIXEL: u64 = 216;
+/// The same for further channels: as they are found, as they are kept, and in a file in the making.
+const BYTES_PER_PIXEL_FEATURES: u64 = 180;
 /// The same for sums that are read from a file or written to one.
 const BYTES_PER_PIXEL_KEPT: u64 = 320;
 
@@ -33,6 +35,8 @@ pub(crate) struct Setup {
     pub scene: Scene,
     /// Where it is seen from, with the image's size.
     pub camera: Camera,
+    /// Size of the image that this one is, or is a part of.
+    pub size: [u32; 2],
     /// The memory that the scene and the film leave for the rounds.
     pub memory: Memory,
 }
@@ -50,42 +54,66 @@ impl Setup {
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;
         edit(&mut loaded.description);
         info!("{} is read after {:.3} s", options.scene.display(), start.elapsed().as_secs_f64());
+        Self::of(options, loaded, memory, None)
+    }
+
+    /// The same of a scene that is loaded, within what is left of its memory; `geometry`: of a scene before it, which may have the same.
+    pub(crate) fn of(
+        options: &RenderOptions,
+        mut loaded: Loaded,
+        memory: Memory,
+        geometry: Option<SceneGeometry>,
+    ) -> Result<Self, Failure> {
+        let start = Instant::now();
         let (digest, mut warnings) = (loaded.digest.clone(), std::mem::take(&mut loaded.warnings));
         if loaded.neutral_sky {
             let words = "nothing in the file gives light, so a neutral sky does";
             warnings.push(format!("{words}; --environment chooses another, or none"));
         }
-        let (scene, camera, used) = seen(options, loaded, &memory, &mut warnings)?;
+        let Seen { scene, camera, size, used } = seen(options, loaded, (&memory, geometry), &mut warnings)?;
         let (triangles, lights) = (scene.triangles(), scene.lights().lights.len());
-        info!("{triangles} triangles and {lights} lights are set up after {:.3} s", start.elapsed().as_secs_f64());
+        info!("{triangles} triangles and {lights} lights are set up in {:.3} s", start.elapsed().as_secs_f64());
         info!("camera {used}; {:?}", scene.needs());
         let provenance = Provenance { scene: options.scene.display().to_string(), camera: used, warnings };
-        Ok(Self { provenance, digest, scene, camera, memory })
+        Ok(Self { provenance, digest, scene, camera, size, memory })
     }
+}
+
+/// A scene and the camera that sees it.
+struct Seen {
+    scene: Scene,
+    camera: Camera,
+    size: [u32; 2],
+    used: CameraUsed,
 }
 
 /// The scene and the camera, and memory taken for the film.
 fn seen(
     options: &RenderOptions,
     loaded: Loaded,
-    memory: &Memory,
+    (memory, geometry): (&Memory, Option<SceneGeometry>),
     warnings: &mut Vec<String>,
-) -> Result<(Scene, Camera, CameraUsed), Failure> {
+) -> Result<Seen, Failure> {
     let framed = options.view.camera_from.is_none() && loaded.description.cameras.is_empty();
     let framing = || mlt_scene::bounds(&loaded.description).map(mlt_scene::camera_framing);
     let (pose, used) = pose(options, &loaded.description, framing)?;
     let Size { width, height } = options.view.size_for(pose.aspect_ratio.map_or(1.0, f64::from));
     let size = [width as u32, height as u32];
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let whole = Window { corner: [0, 0], size };
+    let window = options.view.crop.map_or(Ok(whole), |crop| crop.window(size)).map_err(Failure::Usage)?;
+    let [width, height] = window.size;
     let kept = if options.keeps_sums() { BYTES_PER_PIXEL_KEPT } else { 0 };
-    take_memory(memory, pixels * (BYTES_PER_PIXEL + kept), &format!("an image of {}x{}", size[0], size[1]))?;
-    let scene = Scene::new(loaded.description);
+    let features = if options.show.features() || options.show.denoise { BYTES_PER_PIXEL_FEATURES } else { 0 };
+    let bytes = u64::from(width) * u64::from(height) * (BYTES_PER_PIXEL + kept + features);
+    take_memory(memory, bytes, &format!("an image of {width}x{height}"))?;
+    let scene = Scene::with_geometry(loaded.description, geometry);
     // What was left out may be why it fails.
     let scene = scene
         .map_err(unusable)
         .with_context(|| options.scene.display().to_string())
         .inspect_err(|_| warn_all(warnings))?;
     let camera = scene.camera(&pose, size);
+    let camera = if window == whole { camera } else { camera.part(window.corner, window.size) };
     if scene.dropped() > 0 {
         warnings.push(format!("{} triangles have a corner that is not finite; they are left out", scene.dropped()));
     }
@@ -94,7 +122,7 @@ fn seen(
         let words = "no camera in the file can be used, so the scene is framed whole";
         warnings.push(format!("{words}; --camera-from and --camera-to choose a view"));
     }
-    Ok((scene, camera, used))
+    Ok(Seen { scene, camera, size, used })
 }
 
 /// The error for a scene that cannot be rendered, with a word on how a file comes by its lights.

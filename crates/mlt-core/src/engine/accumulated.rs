@@ -58,6 +58,11 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         (self.film, self.tally)
     }
 
+    /// Frees the memory of the round that is being made; no more are.
+    pub fn finish(&mut self) {
+        self.film.finish();
+    }
+
     /// Forgets all rounds, and keeps the film's memory.
     pub fn clear(&mut self) {
         self.film.clear();

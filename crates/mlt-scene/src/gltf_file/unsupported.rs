@@ -93,6 +93,11 @@ pub(super) fn is_unlit(material: &Material) -> bool {
     material.extension_value(UNLIT).is_some()
 }
 
+/// Whether a material may give light.
+pub(super) fn emits(material: &Material) -> bool {
+    material.emissive_factor() != [0.0; 3] || is_unlit(material)
+}
+
 /// Of a material whose volume has no thickness.
 pub(super) fn in_volume(material: &Material) -> Option<String> {
     let thin = material.volume().is_some_and(|volume| volume.thickness_factor() <= 0.0);

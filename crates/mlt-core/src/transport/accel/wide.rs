@@ -25,6 +25,14 @@ impl Node {
         Self { planes: [min, max, min, max, min, max], children: [Child(0); WIDTH] }
     };
 
+    /// Corners of the boxes in use.
+    pub(super) fn boxes(&self) -> impl Iterator<Item = [Vec3; 2]> {
+        let corner =
+            |lane: usize, end: usize| Vec3::from_array([0, 1, 2].map(|axis| self.planes[2 * axis + end].0[lane]));
+        let corners = (0..WIDTH).map(move |lane| [corner(lane, 0), corner(lane, 1)]);
+        corners.filter(|[min, max]| min.cmple(*max).all())
+    }
+
     /// Puts a box into a lane.
     pub(super) fn set(&mut self, lane: usize, min: Vec3, max: Vec3, child: Child) {
         for axis in 0..3 {

@@ -18,6 +18,7 @@ mod target;
 pub use bidirectional::{Bidirectional, BidirectionalTracing};
 pub use counts::{Counts, PilotCounts};
 pub use film_unit::{film_of, film_unit};
+pub(crate) use independent::point_in_pixel;
 pub use independent::{AllPaths, ImageSampler, Independent, SampleTally, Selection};
 pub use path_tracing::{PathTracer, PathTracing};
 pub use run::{Observer, Run, Sums};

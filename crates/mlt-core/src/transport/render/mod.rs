@@ -1,5 +1,7 @@
 //! A whole render: a method, its settings, and what it counted.
 
+mod features;
+
 use crate::engine::{DecodeError, Ending, Outcome, Standing, Watch, put, sealed, unsealed};
 use crate::transport::methods::auto::{Auto, Plan, Summary};
 use crate::transport::methods::metropolis::PathMetropolis;
@@ -9,6 +11,7 @@ use crate::transport::scene::View;
 use std::ops::{ControlFlow, Range};
 
 pub use crate::transport::methods::{Counts, Method, Observer, PilotCounts, Settings, Sums, film_of, film_unit};
+pub use features::{NOWHERE, SurfaceFeatures, strongest_strata, surfaces};
 
 /// First bytes of what a pilot found.
 const MAGIC: [u8; 8] = *b"mlt-plan";

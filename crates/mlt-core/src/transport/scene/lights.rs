@@ -83,8 +83,9 @@ impl Lights {
 
     #[inline]
     fn place(&self, primitive: u32) -> (u32, u32) {
-        // A light without a surface is all that has no triangle.
-        self.of_primitive.get(primitive as usize).copied().unwrap_or((primitive.wrapping_sub(LIGHT), 0))
+        // A light without a surface is all that has no triangle, but for copies, which do not emit.
+        let without_surface = || (primitive.checked_sub(LIGHT).unwrap_or(NONE), 0);
+        self.of_primitive.get(primitive as usize).copied().unwrap_or_else(without_surface)
     }
 
     /// Σ power.

@@ -1,6 +1,5 @@
 //! A triangle with all that a hit needs.
 
-use super::description::SceneDescription;
 use super::material::Material;
 use crate::transport::accel::{COARSE, size};
 use crate::transport::geometry::{ERROR_FACTOR, Mesh, Space};
@@ -70,10 +69,10 @@ impl Primitive {
 
 /// The triangles of all meshes, one mesh after the other, and the corner normals of those that are not flat. What depends on
 /// other triangles is not set.
-pub(super) fn primitives(description: &SceneDescription, space: &Space) -> (Vec<Primitive>, Vec<[Vec3; 3]>) {
+pub(super) fn primitives(meshes: &[Mesh], materials: &[Material], space: &Space) -> (Vec<Primitive>, Vec<[Vec3; 3]>) {
     let (mut primitives, mut normals) = (Vec::new(), Vec::new());
-    for mesh in &description.meshes {
-        append(mesh, &description.materials[mesh.material as usize], space, &mut primitives, &mut normals);
+    for mesh in meshes {
+        append(mesh, &materials[mesh.material as usize], space, &mut primitives, &mut normals);
     }
     (primitives, normals)
 }

@@ -4,6 +4,7 @@
 //! density 1, and W_e is normalised over the image: ∫ W_e |cosθ| dω dA = 1, so ∫ f over all paths is the image's mean radiance.
 
 mod orthographic;
+mod part;
 mod pinhole;
 mod pose;
 mod thin_lens;
@@ -12,6 +13,7 @@ use crate::engine::uniform_f32;
 use crate::transport::geometry::{Space, Vertex};
 use glam::{Vec2, Vec3, Vec3A};
 use orthographic::Orthographic;
+use part::Part;
 use pinhole::Pinhole;
 use rand_pcg::rand_core::Rng;
 use thin_lens::ThinLens;
@@ -138,6 +140,19 @@ impl Camera {
     #[must_use]
     pub fn with_size(&self, size: [u32; 2]) -> Self {
         Self { size, ..self.clone() }
+    }
+
+    /// The part of the view that `size` pixels from pixel `corner` on show: its image is those pixels alone, and as W_e is normalised
+    /// over the image, ∫ f over all paths becomes the mean radiance of the part.
+    #[must_use]
+    pub fn part(&self, corner: [u32; 2], size: [u32; 2]) -> Self {
+        let part = Part::of_pixels(corner, size, self.size);
+        let model = match &self.model {
+            Model::Pinhole(model) => Model::Pinhole(model.part(part)),
+            Model::Thin(model) => Model::Thin(model.part(part)),
+            Model::Orthographic(model) => Model::Orthographic(model.part(part)),
+        };
+        Self { model, size, tiny_lights: self.tiny_lights }
     }
 
     /// Number of pixels.

@@ -4,7 +4,7 @@
 //! for a geometric term. A film point is then a point of the rectangle, of area A, from which W_e = 1/A and the density
 //! of a ray, per area across it, is 1/A as well.
 
-use super::CameraRay;
+use super::{CameraRay, Part};
 use crate::transport::geometry::{Place, Vertex};
 use glam::{Vec2, Vec3, Vec3A};
 
@@ -37,6 +37,20 @@ impl Orthographic {
             across: 0.5 * right / right.length_squared(),
             along: 0.5 * down / down.length_squared(),
             area: 4.0 * half_width * half_height,
+        }
+    }
+
+    /// The same for a part of the image.
+    pub(super) fn part(&self, part: Part) -> Self {
+        let (offset, size) = (part.offset(), part.size);
+        let position = self.vertex.position + offset.x * self.right + offset.y * self.down;
+        Self {
+            vertex: Vertex { position, ..self.vertex },
+            right: self.right * size.x,
+            down: self.down * size.y,
+            across: self.across / size.x,
+            along: self.along / size.y,
+            area: self.area * size.x * size.y,
         }
     }
 

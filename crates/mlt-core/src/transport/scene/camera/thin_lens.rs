@@ -5,8 +5,8 @@
 //!
 //! Source: [Cook84].
 
-use super::CameraRay;
 use super::pinhole::Pinhole;
+use super::{CameraRay, Part};
 use crate::transport::geometry::Vertex;
 use crate::transport::geometry::math::square_to_disk;
 use glam::{Vec2, Vec3A};
@@ -30,6 +30,11 @@ impl ThinLens {
     pub(super) fn new(centre: Pinhole, radius: f32, focus: f32) -> Self {
         let axes = [centre.across, centre.along].map(Vec3A::normalize);
         Self { centre, axes, radius, focus }
+    }
+
+    /// The same for a part of the image.
+    pub(super) fn part(&self, part: Part) -> Self {
+        Self { centre: self.centre.part(part), ..self.clone() }
     }
 
     /// The vertex at a uniform point of the disc.

@@ -19,8 +19,8 @@ impl Scene {
         match &light.shape {
             Shape::Area(area) => {
                 let (primitive, position) = area.at(point.u, point.v);
-                let vertex = self.vertex_at(primitive, position.into(), None);
-                let p = &self.primitives[primitive as usize];
+                let vertex = self.triangles.vertex_at(primitive, position.into(), None);
+                let p = &self.triangles.primitives[primitive as usize];
                 if p.coarse {
                     // It is interpolated in f32, not found in f64.
                     return (light, Vertex { error: vertex.error.max(ERROR_FACTOR * p.reach()), ..vertex });

@@ -6,7 +6,7 @@ mod textured;
 
 use super::Scene;
 use crate::transport::geometry::Vertex;
-pub(super) use coordinates::{Attributes, Coordinates, TriangleFrame};
+pub(super) use coordinates::{Attributes, Coordinates};
 use glam::Vec3A;
 
 pub use texture::{Encoding, Filter, Pixels, Texture, Wrap, srgb_to_linear};
@@ -15,8 +15,9 @@ pub use textured::{Alpha, ChannelMap, Map, Maps, NormalMap, Textured};
 impl Scene {
     /// Texture coordinates at a vertex, from its position on its triangle.
     pub(super) fn coordinates(&self, vertex: &Vertex) -> Coordinates {
-        let weights = self.primitives[vertex.primitive as usize].nearest_weights(vertex.position);
-        self.attributes.at(vertex.primitive, weights)
+        let held = self.held(vertex.primitive);
+        let position = held.placement.map_or(vertex.position, |placement| placement.point_in_shape(vertex.position));
+        self.attributes.at(held.number, held.primitive.nearest_weights(position))
     }
 
     /// The shading normal that a vertex's normal map gives it, at barycentric weights of its triangle. Takes the vertex by
@@ -26,13 +27,18 @@ impl Scene {
         let Some(map) = self.material(&vertex).textured.as_ref().and_then(|textured| textured.maps.normal) else {
             return vertex.shading_normal;
         };
-        let [a, b, c] = self.primitives[vertex.primitive as usize].vertices.map(Vec3A::from);
-        let frame = TriangleFrame { edges: [b - a, c - a], normal: vertex.shading_normal };
+        let held = self.held(vertex.primitive);
+        let [a, b, c] = held.primitive.vertices.map(Vec3A::from);
         let set = usize::from(map.map.set);
-        let Some(tangents) = self.attributes.tangents(vertex.primitive, weights, set, frame) else {
+        let Some((mut tangent, mut sign)) = self.attributes.tangent(held.number, weights, set, [b - a, c - a]) else {
             return vertex.shading_normal;
         };
-        let place = self.attributes.at(vertex.primitive, weights);
+        if let Some(placement) = held.placement {
+            tangent = placement.vector(tangent);
+            sign *= placement.handedness();
+        }
+        let tangents = [tangent, vertex.shading_normal.cross(tangent) * sign];
+        let place = self.attributes.at(held.number, weights);
         map.normal(&self.textures, &place, tangents, [vertex.shading_normal, vertex.geometric_normal])
     }
 }
