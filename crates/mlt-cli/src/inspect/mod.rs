@@ -13,8 +13,8 @@ use crate::{
     Failure,
     args::{contestant::Contestant, inspect::InspectOptions, render::RenderOptions},
     print,
+    provenance::CameraUsed,
     render::{Setup, bytes_of_image},
-    report::CameraUsed,
 };
 use features::{Feature, features};
 use lights::LightCounts;

@@ -20,6 +20,8 @@ pub enum Format {
     Jpg,
     /// Exact sums of rounds, for `mlt merge` and `--resume`.
     Sums,
+    /// What a pilot found, for `--pilot`.
+    Pilot,
 }
 
 impl Format {
@@ -53,6 +55,7 @@ impl Format {
             (&png::MAGIC, Self::Png),
             (&jpg::MAGIC, Self::Jpg),
             (&kept::MAGIC, Self::Sums),
+            (&kept::pilot::MAGIC, Self::Pilot),
         ];
         all.iter().find(|(magic, _)| start.starts_with(magic)).map(|&(_, format)| format)
     }
@@ -64,7 +67,7 @@ impl Format {
             Self::Hdr => "a Radiance HDR",
             Self::Png => "a PNG",
             Self::Jpg => "a JPEG",
-            Self::Sums => "no",
+            Self::Sums | Self::Pilot => "no",
         }
     }
 

@@ -47,8 +47,12 @@ impl Sums {
         (self.second != i128::MAX).then(|| dequantise(self.second))
     }
 
-    pub(super) fn write(&self, to: &mut Vec<u8>) {
-        put(to, &[self.first, self.second]);
+    /// Their size.
+    pub(super) const BYTES: usize = 2 * size_of::<i128>();
+
+    pub(super) fn to_bytes(self) -> [u8; Self::BYTES] {
+        let [first, second] = [self.first, self.second].map(i128::to_le_bytes);
+        std::array::from_fn(|i| if i < first.len() { first[i] } else { second[i - first.len()] })
     }
 
     pub(super) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
