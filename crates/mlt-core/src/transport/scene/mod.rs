@@ -88,7 +88,7 @@ impl Scene {
     pub const MOST_WITH_COPIES: usize = LIGHT as usize;
 
     /// Memory for each copy of a prototype at the peak of [`new`](Self::new), bytes, with that of the description: measured.
-    pub const BYTES_PER_COPY: u64 = 800;
+    pub const BYTES_PER_COPY: u64 = 600;
 
     /// Memory for each triangle at the peak of [`new`](Self::new), bytes, with that of the description: measured.
     pub const BYTES_PER_TRIANGLE: u64 = 420;
