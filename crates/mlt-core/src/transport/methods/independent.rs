@@ -108,7 +108,7 @@ impl<T: ImageSampler, S: Selection> Independent<'_, T, S> {
         rng.restart(seed);
         for index in 0..samples {
             rng.go_to(index);
-            let film = point_in_pixel(pixel as u32, size, rng);
+            let film = point_in_pixel(pixel, size, rng);
             self.sampler.sample(film, rng, &mut |elsewhere, value, end| match elsewhere {
                 _ if !self.selection.contains(&end) => {}
                 Some(site) => deposits.deposit(Splat { site, value: value.to_array() }, weight),
@@ -142,7 +142,8 @@ impl<T: ImageSampler, S: Selection> Work for Pixels<'_, T, S> {
 }
 
 /// A uniform point of a pixel, as a film point in [0, 1)².
-pub(crate) fn point_in_pixel(pixel: u32, [w, h]: [u32; 2], rng: &mut impl Rng) -> Vec2 {
+pub(crate) fn point_in_pixel(pixel: u64, [w, h]: [u32; 2], rng: &mut impl Rng) -> Vec2 {
+    let pixel = pixel as u32;
     let corner = Vec2::new((pixel % w) as f32, (pixel / w) as f32);
     let inside = Vec2::new(uniform_f32(rng), uniform_f32(rng));
     ((corner + inside) / Vec2::new(w as f32, h as f32)).min(Vec2::splat(1.0 - f32::EPSILON))
