@@ -3,6 +3,7 @@
 mod bench;
 mod bench_browser;
 mod diff;
+mod farm;
 mod formats;
 mod frames;
 mod inspect;

@@ -406,7 +406,7 @@ mod unix {
         assert!(png::read(&folder.join("b.png")).is_ok());
     }
 
-    const LARGE_AND_SMALL: &str = "--method pt --samples-per-pixel 8 --size 40x40 -q -o a.exr -o b.png";
+    const LARGE_AND_SMALL: &str = "--method pt --samples-per-pixel 8 --size 40x40 -q --force -o a.exr -o b.png";
 
     /// Takes a file system away again.
     struct Mounted<'a>(&'a Path);

@@ -1,4 +1,4 @@
-//! Options from files: `--config` and `--like`.
+//! Options from files (`--config`, `--like`), and files that are there already (`--force`).
 
 use std::{
     fs,
@@ -6,7 +6,7 @@ use std::{
     process::{Command, Output},
 };
 
-use mlt_cli::output::exr;
+use mlt_cli::{image::Image, output::exr};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -112,4 +112,41 @@ fn an_image_gives_the_options_that_it_was_made_with() {
 
     let output = run(folder.path(), "--like render.toml");
     assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: render.toml: "));
+}
+
+/// An image of somebody else decides how it looks, and not which files are written.
+#[test]
+fn an_image_names_no_files_to_write() {
+    let folder = with_config("");
+    let command =
+        "mlt render cornell --size=6x6 --samples-per-pixel 2 --output=evil.exr --checkpoint=evil.mltp --force=true";
+    let image = Image::new(1, 1, vec![[0.5; 3]]).expect("a pixel");
+    let bytes = exr::encode(&image, None, &[("mlt.command".to_owned(), command.to_owned())]).expect("encoded");
+    fs::write(folder.path().join("a.exr"), bytes).expect("written");
+    let found = report(&folder, "--like a.exr -j1");
+    assert_eq!((&found["width"], &found["outputs"]), (&6.into(), &serde_json::json!(["cornell.exr", "cornell.png"])));
+}
+
+#[test]
+fn only_files_of_others_need_force() {
+    let folder = with_config("");
+    let outputs = "-o a.exr -o a.hdr -o a.png -o a.jpg -o a.mltp --preview p.png";
+    let line = format!("cornell -s 8x8 --spp 4 -j1 -q {outputs}");
+    let again = |line: &str| run(folder.path(), line);
+    for _ in 0..2 {
+        let output = again(&line);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    for name in ["a.exr", "a.hdr", "a.png", "a.jpg", "a.mltp", "p.png"] {
+        let (path, own) = (folder.path().join(name), fs::read(folder.path().join(name)).expect("written"));
+        fs::write(&path, "a photograph").expect("written");
+        let output = again(&line);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
+        assert!(message.contains(&format!("{name}: is there already")) && message.contains("--force"), "{message}");
+        assert_eq!(fs::read(&path).expect("kept"), b"a photograph");
+        assert!(again(&format!("{line} --force")).status.success(), "{name}");
+        assert_ne!(fs::read(&path).expect("written"), b"a photograph");
+        fs::write(&path, own).expect("written");
+    }
 }

@@ -7,19 +7,26 @@ use std::process::ExitCode;
 use clap::Parser;
 
 pub mod args;
+pub mod atomic;
 pub mod bench;
 pub mod denoise;
 pub mod diff;
 mod exit;
+pub mod farm;
 pub mod image;
+pub mod info;
 pub mod inspect;
 pub mod interrupt;
 pub mod kept;
 mod log;
+pub mod merge;
 pub mod output;
 pub mod progress;
+pub mod provenance;
 pub mod render;
 pub mod report;
+#[cfg(test)]
+mod rooms;
 mod system;
 mod terminal;
 pub mod tools;
@@ -52,8 +59,9 @@ fn run(cli: &args::Cli) -> Result<(), Failure> {
         args::Command::Render(options) => render::run(options),
         args::Command::Inspect(options) => inspect::run(options),
         args::Command::Scenes(options) => tools::scenes::run(options),
-        args::Command::Merge(options) => kept::merge::run(options),
-        args::Command::Info(options) => kept::info::run(options),
+        args::Command::Merge(options) => merge::run(options),
+        args::Command::Farm(options) => farm::run(options),
+        args::Command::Info(options) => info::run(options),
         args::Command::Diff(options) => diff::run(options),
         args::Command::Verify(options) => verify::run(options),
         args::Command::Bench(options) => bench::run(options),

@@ -34,6 +34,13 @@ pub struct KeptOptions {
     #[arg(long, value_name = "FILE", help_heading = heading::PARTS)]
     #[arg(hide_short_help = true)]
     pub resume: Option<PathBuf>,
+    /// Share what the pilot finds by FILE, with other parts
+    ///
+    /// It is taken from FILE, or written there if there is no such file yet. The image does not depend on it. Methods without a pilot
+    /// need none.
+    #[arg(long, value_name = "FILE", help_heading = heading::PARTS)]
+    #[arg(hide_short_help = true)]
+    pub pilot: Option<PathBuf>,
     /// Make only part I of N, 1/N to N/N, for 'mlt merge'
     ///
     /// All parts together make the bits of the whole render. It needs -o FILE.mltp.
@@ -59,6 +66,16 @@ pub struct Shard {
 }
 
 impl Shard {
+    /// The part of this number, from 1 to `count`.
+    pub fn new(number: u64, count: u64) -> Self {
+        Self { number, count }
+    }
+
+    /// Its number.
+    pub fn number(self) -> u64 {
+        self.number
+    }
+
     /// How many parts there are.
     pub fn count(self) -> u64 {
         self.count

@@ -9,6 +9,7 @@ pub mod bench;
 pub mod contestant;
 pub mod crop;
 pub mod environment;
+pub mod farm;
 pub mod frames;
 pub mod heading;
 pub mod inspect;
@@ -84,6 +85,8 @@ pub enum Command {
     Scenes(tools::ScenesOptions),
     /// Add up parts of a render
     Merge(merge::MergeOptions),
+    /// Render on a farm: jobs for Slurm and Open Job Description, and their tasks
+    Farm(farm::FarmOptions),
     /// Tell what a file of a render holds
     Info(merge::InfoOptions),
     /// Measure how far images are from a reference

@@ -69,7 +69,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = heading::BUDGET)]
     pub error: Option<f64>,
 
-    /// How light is computed; by itself, auto finds out what suits the scene
+    /// How light is computed; auto suits itself to the scene
     ///
     /// If not given, mlt if an option asks for mutations, strata, weights, a variant, perturbations or an importance, else auto.
     #[arg(long, visible_alias = "integrator", value_enum, help_heading = heading::METHOD)]
@@ -86,6 +86,11 @@ pub struct RenderOptions {
     #[arg(short, long = "output", alias = "outfile", value_name = "FILE", value_hint = ValueHint::FilePath)]
     #[arg(help_heading = heading::OUTPUT)]
     pub outputs: Vec<OutputFile>,
+    /// Overwrite files that mlt has not made, too
+    ///
+    /// Images and checkpoints that mlt has made are overwritten without it.
+    #[arg(long, help_heading = heading::OUTPUT, hide_short_help = true)]
+    pub force: bool,
     /// What is seen beside the image.
     #[command(flatten)]
     pub show: ShowOptions,
@@ -161,26 +166,8 @@ impl RenderOptions {
 
     /// Finds what is wrong with the options together, and with the files to write, before anything is rendered.
     pub fn check(&self) -> Result<(), Failure> {
+        self.check_together()?;
         let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
-        if self.mutations_per_pixel.is_some() && !self.method().mutates() {
-            return usage(format!(
-                "--mutations-per-pixel: {} is not told how many to make; use --samples-per-pixel",
-                self.method()
-            ));
-        }
-        if let (false, Some(samples), rounds) =
-            (self.method().mutates(), self.samples_per_pixel, self.rounds.unwrap_or(1))
-            && rounds as f64 > samples
-        {
-            return usage(format!(
-                "--samples-per-pixel {samples}: a round of {} takes one sample of every pixel at least, and {rounds} are to be made; \
-                 give more samples or fewer rounds",
-                self.method()
-            ));
-        }
-        if self.view.camera_from.is_some() && self.view.camera_from == self.view.camera_to {
-            return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
-        }
         let targets = self.targets();
         if let Some(target) = targets.iter().find(|target| self.frames.frames.is_some() && !target.is_numbered()) {
             return usage(format!(
@@ -201,11 +188,42 @@ impl RenderOptions {
                 "--denoise: a denoised image is written beside an image file; add -o FILE.exr or another".into(),
             );
         }
+        if let Some(pilot) = self.keeping.pilot.as_ref().filter(|pilot| !pilot.exists()) {
+            output::check_target(pilot).map_err(Failure::Usage)?;
+        }
         // A preview may be shown where the image comes in the end.
         let previews = self.show.files().filter(|file| targets.iter().all(|target| target.path != file.path));
         let denoised: Vec<_> = targets.iter().filter(|_| self.show.denoise).filter_map(OutputFile::denoised).collect();
         let files: Vec<_> = targets.iter().chain(previews).chain(&denoised).cloned().collect();
-        output::check_targets(&files, self.json).map_err(Failure::Usage)
+        output::check_targets(&files, self.json).map_err(Failure::Usage)?;
+        // What is wrong with a file that is resumed is told by whoever reads it.
+        let others = files.into_iter().filter(|file| !self.force && self.keeping.resume.as_ref() != Some(&file.path));
+        output::check_existing(others).map_err(Failure::Usage)
+    }
+
+    /// Finds what is wrong with the options together.
+    pub fn check_together(&self) -> Result<(), Failure> {
+        let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
+        if self.mutations_per_pixel.is_some() && !self.method().mutates() {
+            return usage(format!(
+                "--mutations-per-pixel: {} is not told how many to make; use --samples-per-pixel",
+                self.method()
+            ));
+        }
+        if let (false, Some(samples), rounds) =
+            (self.method().mutates(), self.samples_per_pixel, self.rounds.unwrap_or(1))
+            && rounds as f64 > samples
+        {
+            return usage(format!(
+                "--samples-per-pixel {samples}: a round of {} takes one sample of every pixel at least, and {rounds} are to be made; \
+                 give more samples or fewer rounds",
+                self.method()
+            ));
+        }
+        if self.view.camera_from.is_some() && self.view.camera_from == self.view.camera_to {
+            return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
+        }
+        Ok(())
     }
 
     /// The options of one frame's image.
@@ -243,20 +261,21 @@ impl RenderOptions {
         targets
     }
 
+    /// SCENE with an ending, in the current folder.
+    pub fn named_after_scene(&self, ending: &str) -> PathBuf {
+        let mut name = self.scene.file_stem().map_or_else(|| "render".into(), OsStr::to_os_string);
+        name.push(ending);
+        name.into()
+    }
+
     /// The files asked for, or SCENE.exr and SCENE.png in the current folder.
-    fn images(&self) -> Vec<OutputFile> {
+    pub fn images(&self) -> Vec<OutputFile> {
         if !self.outputs.is_empty() {
             return self.outputs.clone();
         }
-        let stem = self.scene.file_stem().map_or_else(|| "render".into(), OsStr::to_os_string);
-        let file = |extension: &str, format| {
-            let mut name = stem.clone();
-            if self.frames.frames.is_some() {
-                name.push(".####");
-            }
-            name.push(extension);
-            OutputFile { path: name.into(), format }
-        };
+        let number = if self.frames.frames.is_some() { ".####" } else { "" };
+        let file =
+            |ending: &str, format| OutputFile { path: self.named_after_scene(&format!("{number}{ending}")), format };
         vec![file(".exr", Format::Exr), file(".png", Format::Png)]
     }
 }

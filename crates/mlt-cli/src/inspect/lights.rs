@@ -28,8 +28,8 @@ pub struct LightCounts {
 }
 
 impl LightCounts {
-    /// Of a scene, as its file says it and as it is rendered.
-    pub(super) fn of(scene: &SceneDescription, lights: &Lights) -> Self {
+    /// Of a scene as its file says it, without its surfaces.
+    pub(super) fn of(scene: &SceneDescription) -> Self {
         let lit = || scene.punctual.iter().filter(|light| luminance(light.emission) > 0.0);
         let count = |is: fn(&Punctual) -> bool| lit().filter(|light| is(&light.kind)).count();
         let environment = scene.environment.as_ref().is_some_and(|around| around.is_lit());
@@ -38,7 +38,7 @@ impl LightCounts {
             material.emission.max_element() > 0.0 && (material.opacity == 0.0 || !shows(index))
         };
         Self {
-            surfaces: lights.lights.len() - lit().count() - usize::from(environment),
+            surfaces: 0,
             points: count(|kind| matches!(kind, Punctual::Point { .. })),
             spots: count(|kind| matches!(kind, Punctual::Spot { .. })),
             suns: count(|kind| matches!(kind, Punctual::Directional { .. })),
@@ -46,6 +46,12 @@ impl LightCounts {
             dark: scene.punctual.len() - lit().count(),
             unused: scene.materials.iter().enumerate().filter(|&pair| is_unused(pair)).count(),
         }
+    }
+
+    /// With the surfaces among all lights of the scene that was made.
+    pub(super) fn among(self, lights: &Lights) -> Self {
+        let others = self.points + self.spots + self.suns + usize::from(self.environment);
+        Self { surfaces: lights.lights.len().saturating_sub(others), ..self }
     }
 }
 

@@ -5,7 +5,7 @@ mod lights;
 mod text;
 
 use anyhow::Context;
-use mlt_core::transport::scene::{CameraPose, SceneDescription};
+use mlt_core::transport::scene::SceneDescription;
 use mlt_scene::{Entry, printable};
 use serde::Serialize;
 
@@ -13,8 +13,8 @@ use crate::{
     Failure,
     args::{contestant::Contestant, inspect::InspectOptions, render::RenderOptions},
     print,
+    provenance::CameraUsed,
     render::{Setup, bytes_of_image},
-    report::CameraUsed,
 };
 use features::{Feature, features};
 use lights::LightCounts;
@@ -90,31 +90,51 @@ fn inspect(options: &InspectOptions) -> Result<Inspection, Failure> {
     let usual = Contestant::default().render_options(&options.scene, &[]);
     let usual = usual.map_err(|reason| Failure::Usage(anyhow::anyhow!(reason)))?;
     let options = RenderOptions { view: options.view.clone(), reading: options.reading.clone(), ..usual };
-    let mut description = SceneDescription::default();
-    let setup = Setup::edited(&options, |loaded| description = loaded.clone())?;
-    let (scene, size) = (&setup.scene, setup.camera.size());
+    let mut found = InFile::default();
+    let setup = Setup::edited(&options, |description| found = InFile::of(description))?;
+    let (scene, size) = (&setup.scene, setup.size);
     let (footprint, lens) = (scene.footprint(), setup.pose.lens);
     Ok(Inspection {
         scene: setup.provenance.scene,
         nodes: setup.outline.into_iter().map(Node::from).collect(),
         triangles: scene.triangles(),
-        materials: description.materials.len(),
-        textures: description.textures.len(),
-        cameras: description.cameras.iter().map(|pose: &CameraPose| CameraUsed::new(pose, "in the file")).collect(),
+        materials: found.materials,
+        textures: found.textures,
+        cameras: found.cameras,
         camera: setup.provenance.camera,
         size,
-        lights: LightCounts::of(&description, scene.lights()),
+        lights: found.lights.among(scene.lights()),
         features: features(scene.needs(), &lens),
         memory: MemoryUse {
             geometry: footprint.geometry,
             acceleration: footprint.acceleration,
             textures: footprint.textures,
-            image: bytes_of_image(&options, size),
+            image: bytes_of_image(&options, setup.camera.size()),
             peak: setup.memory.taken(),
             available: setup.memory.total(),
         },
         warnings: setup.provenance.warnings,
     })
+}
+
+/// What is to be known of a scene's file, and is gone from the scene that is made of it.
+#[derive(Default)]
+struct InFile {
+    cameras: Vec<CameraUsed>,
+    materials: usize,
+    textures: usize,
+    lights: LightCounts,
+}
+
+impl InFile {
+    fn of(scene: &SceneDescription) -> Self {
+        Self {
+            cameras: scene.cameras.iter().map(|pose| CameraUsed::new(pose, "in the file")).collect(),
+            materials: scene.materials.len(),
+            textures: scene.textures.len(),
+            lights: LightCounts::of(scene),
+        }
+    }
 }
 
 impl From<Entry> for Node {

@@ -9,8 +9,8 @@ use anyhow::{Context, bail};
 
 use crate::image::Image;
 
-pub mod atomic;
 mod decoder;
+mod existing;
 pub mod exr;
 mod format;
 pub mod hdr;
@@ -21,6 +21,7 @@ pub mod png;
 pub(crate) mod srgb;
 mod target;
 
+pub use existing::check_existing;
 pub use format::Format;
 pub use picture::{Channel, Frame, Picture};
 pub use target::{OutputFile, check_target, check_targets};
@@ -38,6 +39,7 @@ pub fn read_image(path: &Path) -> anyhow::Result<(Image, Format)> {
         Format::Exr => Ok(exr::read(path)?.image),
         Format::Hdr => hdr::read(path),
         Format::Png => png::read(path),
+        Format::Pilot => bail!("{}: what a pilot found, no image", path.display()),
         Format::Jpg => jpg::read(path),
         Format::Sums => bail!("{}: sums of rounds, no image; 'mlt merge' makes one of them", path.display()),
     };
@@ -52,7 +54,7 @@ pub(crate) fn read_attributes(path: &Path, format: Format) -> anyhow::Result<([u
         Format::Hdr => hdr::attributes(path),
         Format::Png => png::attributes(path),
         Format::Jpg => jpg::attributes(path),
-        Format::Sums => bail!("sums of rounds, no image"),
+        Format::Sums | Format::Pilot => bail!("sums of rounds, no image"),
     };
     without_panic(read).context("damaged").and_then(|read| read).with_context(|| path.display().to_string())
 }

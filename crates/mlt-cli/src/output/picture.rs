@@ -62,7 +62,7 @@ impl Picture {
             Format::Hdr => hdr::encode(image, attributes),
             Format::Png => png::encode(image, *exposure, attributes),
             Format::Jpg => jpg::encode(image, *exposure, attributes),
-            Format::Sums => bail!("sums of rounds are no image"),
+            Format::Sums | Format::Pilot => bail!("sums of rounds are no image"),
         }
     }
 }

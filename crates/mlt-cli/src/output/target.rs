@@ -9,7 +9,8 @@ use std::{
 
 use anyhow::{Context, bail};
 
-use super::{Format, atomic};
+use super::Format;
+use crate::atomic;
 
 /// The name that stands for standard output.
 const STDOUT: &str = "-";

@@ -27,7 +27,9 @@ pub(super) fn advice(image: &Image, stops: f64) -> Option<String> {
     // A black image has a warning of its own.
     let better = (2.0 * (MIDDLE / mean).log2()).round() / 2.0;
     (mean > 0.0 && mean.is_finite() && better != stops).then(|| {
-        format!("the PNG is nearly {word} at an exposure of {stops}; --exposure {better} shows more (an EXR holds all)")
+        format!(
+            "the picture is nearly {word} at an exposure of {stops}; --exposure {better} shows more (an EXR holds all)"
+        )
     })
 }
 

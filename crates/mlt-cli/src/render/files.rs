@@ -1,6 +1,7 @@
 //! The image files of a render.
 
 use mlt_core::{engine::Film, transport::render::Sums};
+use rayon::prelude::*;
 
 use super::{Features, Plan, exposure, session::Made};
 use crate::{
@@ -12,30 +13,32 @@ use crate::{
     denoise::{Denoiser, Guides},
     image::Image,
     kept,
-    output::{Channel, Frame, OutputFile, Picture, exr},
+    output::{Channel, Format, Frame, OutputFile, Picture, exr},
     report::Report,
 };
 
 /// Writes all files, on the current rayon pool, and names them in the report. One that cannot be written does not stop the others.
 pub(crate) fn write(options: &RenderOptions, made: Made, sums: &Sums) -> Result<Report, Failure> {
     let attributes = attributes(options, &made.report, made.per_pixel)?;
-    let Made { about, mut report, features: Features { channels, guides }, .. } = made;
+    let Made { about, pilot, mut report, features: Features { channels, guides }, .. } = made;
     let save = |output: &OutputFile, bytes: anyhow::Result<Vec<u8>>| -> anyhow::Result<String> {
         output.write(&bytes?)?;
         tracing::info!("{} is written", output.path.display());
         Ok(output.path.display().to_string())
     };
     let (parts, images): (Vec<_>, Vec<_>) = options.targets().into_iter().partition(OutputFile::holds_sums);
-    let mut saved: Vec<_> = parts.iter().map(|output| save(output, kept::encode(&about, sums))).collect();
+    let mut saved: Vec<_> =
+        parts.iter().map(|output| save(output, kept::encode(&about, pilot.as_deref(), sums))).collect();
     if !images.is_empty() {
-        let (image, stderr) = develop(sums.film())?;
+        let with_errors = images.iter().any(|output| output.format == Format::Exr);
+        let (image, stderr) = develop(sums.film(), with_errors)?;
         let shown = images.iter().any(|output| output.format.is_for_screens());
         report.warnings.extend(shown.then(|| exposure::advice(&image, options.exposure)).flatten());
         let frame = options.view.frame()?.unwrap_or(Frame::whole(&image));
         let errors = stderr.iter().flat_map(|stderr| Channel::of_triples(exr::STDERR, stderr));
         let channels = errors.chain(channels).collect();
         let picture = Picture { image, channels, frame, attributes, exposure: options.exposure };
-        saved.extend(images.iter().map(|output| save(output, picture.encode(output.format))));
+        saved.par_extend(images.par_iter().map(|output| save(output, picture.encode(output.format))));
         if let Some(guides) = guides {
             let picture = denoised(picture, &guides)?;
             let beside = images.iter().filter_map(OutputFile::denoised);
@@ -65,12 +68,12 @@ fn denoised(picture: Picture, guides: &Guides) -> anyhow::Result<Picture> {
 /// Standard errors of the channels of all pixels.
 type Errors = Vec<[f32; 3]>;
 
-/// The image and its standard errors; `None` where one round tells nothing of them.
-pub(super) fn develop(film: &Film<3>) -> anyhow::Result<(Image, Option<Errors>)> {
+/// The image and, if they are asked for, its standard errors; `None` where one round tells nothing of them.
+pub(super) fn develop(film: &Film<3>, with_errors: bool) -> anyhow::Result<(Image, Option<Errors>)> {
     let [width, height] = film.size().map(|n| n as usize);
     let image = Image::new(width, height, film.means())?;
     let errors = || film.standard_errors().into_iter().map(|e| e.map(|x| x as f32)).collect();
-    let stderr = (film.rounds() > 1).then(errors);
+    let stderr = (with_errors && film.rounds() > 1).then(errors);
     Ok((image, stderr))
 }
 

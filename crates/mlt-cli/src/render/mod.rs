@@ -8,6 +8,7 @@ mod files;
 mod frames;
 mod key;
 mod losses;
+mod pilot;
 mod plan;
 mod pose;
 mod preview;
@@ -21,6 +22,10 @@ mod trust;
 use std::time::Duration;
 
 use anyhow::Context;
+use mlt_core::transport::{
+    render::{Sums, film_of},
+    scene::View,
+};
 use mlt_scene::printable;
 
 use crate::{
@@ -52,14 +57,13 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     }
     match &options.frames.frames {
         Some(frames) => frames::run(options, frames),
-        None => still(options),
+        None => go_on(options, options.keeping.resume.as_deref().map(kept::read).transpose()?),
     }
 }
 
-/// One image.
-fn still(options: &RenderOptions) -> Result<(), Failure> {
+/// One image, from rounds that there are already.
+pub(crate) fn go_on(options: &RenderOptions, kept: Option<Kept>) -> Result<(), Failure> {
     let setup = Setup::new(options)?;
-    let kept = options.keeping.resume.as_deref().map(kept::read).transpose()?;
     let report = rendered(options, &setup, &Workshop::open(options)?, kept)?;
     show(options, &report)?;
     if report.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
@@ -98,6 +102,17 @@ fn rendered(
     pool.install(|| write(options, finished.made, &finished.sums))
 }
 
+/// Whether rounds are all that a render makes. Those of another render are refused.
+pub(crate) fn is_done(options: &RenderOptions, kept: &Kept) -> Result<bool, Failure> {
+    let (setup, per_pixel) = (Setup::new(options)?, kept.per_pixel()?);
+    let options = &options.of_size(setup.size);
+    let view = View { scene: &setup.scene, camera: &setup.camera };
+    let (own, mut sums) = (Plan::new(options, Some(per_pixel)).own(), Sums::new(film_of(view)));
+    sums = sums.with_key(key::key(options, &setup, per_pixel)?);
+    kept.resume(&mut sums, own.clone())?;
+    Ok(sums.rounds().missing(own).is_empty())
+}
+
 /// An image in memory, and how it came about.
 pub(crate) struct Rendered {
     /// The pixels.
@@ -114,7 +129,7 @@ pub(crate) struct Rendered {
 pub(crate) fn in_memory(options: &RenderOptions, setup: &Setup, interrupt: &Interrupt) -> Result<Rendered, Failure> {
     let options = &options.of_size(setup.size);
     let Finished { sums, made } = session::run(options, setup, Plan::new(options, None), interrupt, None)?;
-    let (image, stderr) = files::develop(sums.film())?;
+    let (image, stderr) = files::develop(sums.film(), true)?;
     Ok(Rendered { image, stderr, report: made.report, blocks: sums.film().blocks().into() })
 }
 

@@ -4,7 +4,7 @@ use anyhow::{Context, anyhow};
 use glam::DVec3;
 use mlt_core::transport::scene::{CameraPose, Lens, SceneDescription};
 
-use crate::{Failure, args::render::RenderOptions, report::CameraUsed};
+use crate::{Failure, args::render::RenderOptions, provenance::CameraUsed};
 
 /// Opening angle where none is given, degrees.
 const USUAL_FOV: f32 = 40.0;

@@ -14,6 +14,7 @@ use super::{
     features::Features,
     files::write,
     key::{arguments, key},
+    pilot::renderer,
     preview::Previews,
     speed::Round,
     summary::{provenance, report},
@@ -25,7 +26,8 @@ use crate::{
     interrupt::Interrupt,
     kept::{About, Kept, Spent},
     progress::Progress,
-    report::{Decision, Provenance, Report},
+    provenance::Provenance,
+    report::{Decision, Report},
     tell, warn,
 };
 
@@ -47,6 +49,8 @@ pub(crate) struct Finished {
 pub(crate) struct Made {
     /// Which render they are of.
     pub about: About,
+    /// What its pilot found, if it has one.
+    pub pilot: Option<Vec<u8>>,
     /// Its report, without the files.
     pub report: Report,
     /// Mutations or samples a pixel of one round.
@@ -72,12 +76,15 @@ pub(super) fn run(
     let mut previews = Previews::open(options, setup.camera.size())?;
     let features = Features::find(options, view);
     let mut sums = Sums::new(film_of(view)).with_key(key(options, setup, per_pixel)?);
-    let before = kept.map_or(Ok(Spent::NONE), |kept| kept.resume(&mut sums, plan.own()))?;
+    let before = kept.as_ref().map_or(Ok(Spent::NONE), |kept| kept.resume(&mut sums, plan.own()))?;
     let go_on = || interrupt.go_on();
     info!("a round is {per_pixel} {} per pixel; {plan}", options.method().unit());
     let tell = |share| progress.prepare(share);
     let watch = Watch::new(&go_on).reporting(&tell);
-    let renderer = Renderer::watched(view, options.settings(per_pixel), watch).ok_or_else(too_early)?;
+    let known = (kept.as_ref(), &options.keeping);
+    let renderer = renderer(view, options.settings(per_pixel), known, sums.key(), watch)?;
+    let pilot = renderer.pilot();
+    drop(kept);
     info!("set up after {:.3} s{}", start.elapsed().as_secs_f64(), decision(&renderer));
     let ending = Ending::new(plan.limits(), LUMINANCE, start).expecting(time).showing_error(progress.is_shown());
     let provenance = provenance(options, setup);
@@ -94,7 +101,7 @@ pub(super) fn run(
         held: sums.rounds().count(),
         features,
     };
-    let mut checkpoint = Checkpoint::new(&options.keeping);
+    let mut checkpoint = Checkpoint::new(&options.keeping, pilot.as_deref());
     let outcome = session.renderer.render_until(&ending, plan.own().start, &mut sums, &mut |at, sums| {
         progress.update(&at, session.rate(at.rounds));
         previews.offer(sums.film());
@@ -135,7 +142,8 @@ fn ending_words(outcome: Outcome, interrupt: &Interrupt) -> &'static str {
     }
 }
 
-fn too_early() -> Failure {
+/// The failure of a render that is stopped before anything is worth keeping.
+pub(super) fn too_early() -> Failure {
     Failure::InterruptedEarly(anyhow::anyhow!("interrupted before the first round was finished; nothing is written"))
 }
 
@@ -181,7 +189,8 @@ impl Session<'_> {
     /// What there is to say of the rounds so far.
     fn made(&self, sums: &Sums, interrupted: bool) -> anyhow::Result<Made> {
         let (about, report) = (self.about()?, self.report(sums, interrupted));
-        Ok(Made { about, report, per_pixel: self.per_pixel, features: self.features.clone() })
+        let (per_pixel, pilot) = (self.per_pixel, self.renderer.pilot());
+        Ok(Made { about, pilot, report, per_pixel, features: self.features.clone() })
     }
 
     /// Writes the files as they are so far, if they are wanted. One that fails leaves the render going.

@@ -15,7 +15,7 @@ use crate::{
     Failure,
     args::{crop::Window, render::RenderOptions, values::Size},
     memory,
-    report::{CameraUsed, Provenance},
+    provenance::{CameraUsed, Provenance},
     take_memory, warn_all,
 };
 

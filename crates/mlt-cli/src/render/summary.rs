@@ -10,7 +10,8 @@ use mlt_core::transport::scene::Needs;
 use super::{Setup, blocks::Blocks, losses::losses, trust::trust};
 use crate::{
     args::{render::RenderOptions, transport::Method},
-    report::{Acceptance, Agreement, Provenance, Report, StratumReport},
+    provenance::Provenance,
+    report::{Acceptance, Agreement, Report, StratumReport},
 };
 
 /// The report, but for times, files and what only the session knows.

@@ -1,8 +1,6 @@
 //! Report of a render.
 
-mod camera;
 mod decision;
-mod provenance;
 mod trust;
 
 use std::{collections::BTreeMap, fmt};
@@ -15,11 +13,10 @@ use crate::{
     args::values::Strata,
     kept::Spent,
     progress::short,
+    provenance::CameraUsed,
 };
 
-pub use camera::CameraUsed;
 pub use decision::{Decision, Part};
-pub use provenance::Provenance;
 pub use trust::Trust;
 
 /// JSON has no infinity and no NaN.

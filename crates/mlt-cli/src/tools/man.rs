@@ -7,8 +7,7 @@ use clap_mangen::Man;
 use crate::{
     Failure,
     args::{Cli, tools::ManOptions},
-    output::atomic,
-    print,
+    atomic, print,
 };
 
 /// Prints a page, or writes all of them into a folder.

@@ -188,7 +188,7 @@ mod tests {
         type Splat = Splat<1>;
 
         fn splats(&self) -> impl Iterator<Item = Splat<1>> {
-            std::iter::once(Splat { site: 0, value: [self.0] })
+            iter::once(Splat { site: 0, value: [self.0] })
         }
     }
 

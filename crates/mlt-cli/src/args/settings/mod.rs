@@ -14,7 +14,7 @@ use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory, Parser, error::ErrorKind, parser::ValueSource};
 use mlt_scene::meant;
 
-use super::Cli;
+use super::{Cli, heading};
 use crate::{Failure, usage::sentence};
 
 /// The name in a file of what has none on the command line.
@@ -50,6 +50,7 @@ pub(super) fn with_files(words: Vec<OsString>) -> Result<Vec<OsString>, Failure>
         line.add(path, |path| {
             let mut settings = image::settings(path)?;
             settings.retain(|(name, _)| !limited || !ROUNDS.contains(&name.as_str()));
+            settings.retain(|(name, _)| may_be_recorded(render, name));
             Ok(settings)
         })?;
     }
@@ -103,6 +104,13 @@ fn given_on_line<'a>(render: &'a Command, given: &ArgMatches) -> Vec<&'a Arg> {
     // Whether an option is there can only be asked of those that a parse knows.
     let known: Vec<_> = given.ids().map(|id| id.as_str().to_owned()).collect();
     render.get_arguments().filter(|a| known.iter().any(|id| id == a.get_id().as_str())).filter(is_given).collect()
+}
+
+/// Whether an image may say an option: none of those that name files to write or to read options from, which is not for whoever made it
+/// to decide.
+fn may_be_recorded(render: &Command, name: &str) -> bool {
+    let heading = argument(render, name).ok().and_then(Arg::get_help_heading);
+    heading.is_none_or(|under| ![heading::OUTPUT, heading::OPTIONS, heading::PARTS].contains(&under))
 }
 
 /// The option of this name, as on the command line, with `_` for `-` as well.

@@ -96,13 +96,13 @@ impl<'a> Structure for &'a Instances {
     #[inline(always)]
     fn nearest<S: Simd>(self, simd: S, ray: &Segment) -> Option<Hit> {
         let mut visit = Visit { instances: self, ray: (*ray).into(), hit: None };
-        nearest_hit(simd, &self.tree, ray, &mut visit);
+        nearest_hit::<_, false>(simd, &self.tree, ray, &mut visit);
         visit.hit
     }
 
     #[inline(always)]
     fn any<S: Simd>(self, simd: S, ray: &Segment) -> bool {
-        any_hit(simd, &self.tree, ray, &Visit { instances: self, ray: (*ray).into(), hit: None })
+        any_hit::<_, false>(simd, &self.tree, ray, &Visit { instances: self, ray: (*ray).into(), hit: None })
     }
 }
 

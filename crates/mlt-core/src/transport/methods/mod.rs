@@ -4,6 +4,7 @@ pub mod auto;
 mod bidirectional;
 mod counts;
 mod film_unit;
+mod found;
 mod independent;
 pub mod metropolis;
 mod path_tracing;

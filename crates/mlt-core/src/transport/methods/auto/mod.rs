@@ -18,6 +18,7 @@ mod plan;
 mod render;
 mod share;
 mod tails;
+mod written;
 
 use super::bidirectional::Bidirectional;
 use super::counts::PilotCounts;
