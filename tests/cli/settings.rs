@@ -95,6 +95,9 @@ fn an_image_gives_the_options_that_it_was_made_with() {
     report(&folder, line);
     report(&folder, "--like a.exr -o again.exr -j1");
     assert!(pixels("a.exr").same_bits(&pixels("again.exr")));
+    report(&folder, "--like a.exr -o look.png -j1");
+    report(&folder, "--like look.png -o again.exr -j1");
+    assert!(pixels("again.exr").same_bits(&pixels("a.exr")));
     report(&folder, "--like a.exr -o other.exr -j1 --seed 6");
     assert!(!pixels("a.exr").same_bits(&pixels("other.exr")), "the control");
 

@@ -20,6 +20,8 @@ use crate::image::Image;
 
 /// The first bytes of every Radiance file.
 pub const MAGIC: [u8; 2] = *b"#?";
+/// Most bytes of a file that are taken for its header.
+const MOST_OF_HEADER: u64 = 4 << 20;
 /// Before an attribute, in a line of its own.
 const COMMENT: &str = "# ";
 
@@ -48,7 +50,7 @@ pub fn read(path: &Path) -> anyhow::Result<Image> {
 /// Width and height, and what [`encode`] was told of the image.
 pub(super) fn attributes(path: &Path) -> anyhow::Result<([usize; 2], Vec<(String, String)>)> {
     let (width, height) = HdrDecoder::new(BufReader::new(File::open(path)?))?.dimensions();
-    let header = BufReader::new(File::open(path)?.take(decoder::MOST_BESIDES)).lines();
+    let header = BufReader::new(File::open(path)?.take(MOST_OF_HEADER)).lines();
     let lines: Vec<_> = header.map_while(Result::ok).take_while(|line| !line.is_empty()).collect();
     let pairs = lines.iter().filter_map(|line| lines::pair(line.strip_prefix(COMMENT)?));
     Ok(([width, height].map(|side| side as usize), pairs.collect()))

@@ -68,7 +68,9 @@ fn segments(file: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
 pub fn read(path: &Path) -> anyhow::Result<Image> {
     let decode = || {
         let decoder = JpegDecoder::new(BufReader::new(File::open(path)?))?;
-        anyhow::Ok(decoder::mapped(decoder::pixels(decoder)?, srgb::linear_from_srgb))
+        let mut image = decoder::pixels(decoder)?;
+        image.rgb.as_flattened_mut().iter_mut().for_each(|value| *value = srgb::linear_from_srgb(*value));
+        anyhow::Ok(image)
     };
     decode().with_context(|| format!("{}: cannot be read as JPEG", path.display()))
 }

@@ -2,17 +2,23 @@
 
 use std::{fs::File, io::BufReader, path::Path};
 
-use ::image::codecs::png::PngDecoder;
-use ::png::{BitDepth, ColorType, Decoder, Encoder, Limits, ScaledFloat, SourceChromaticities, SrgbRenderingIntent};
+use ::png::{
+    BitDepth, ColorType, Decoder, Encoder, Limits, OutputInfo, ScaledFloat, SourceChromaticities, SrgbRenderingIntent,
+    Transformations,
+};
 use anyhow::Context;
 
-use super::{Attributes, decoder, srgb};
+use super::{Attributes, check_size, srgb};
 use crate::image::Image;
 
 /// 1/2.2 in parts of 10⁻⁵, and x and y of white, red, green and blue: what the PNG specification (section 11.3.2.5) has beside the
 /// chunk sRGB for readers that do not know it.
 const GAMMA: u32 = 45_455;
 const CHROMATICITIES: [(f32, f32); 4] = [(0.3127, 0.329), (0.64, 0.33), (0.3, 0.6), (0.15, 0.06)];
+
+/// Most memory for what a file holds besides its pixels: whatever that says, a few bytes can ask for gigabytes. The pixels' own memory is
+/// checked against what the machine has.
+const MOST_BESIDES: usize = 4 << 20;
 
 /// The first bytes of every PNG file.
 pub const MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
@@ -45,14 +51,38 @@ pub fn read(path: &Path) -> anyhow::Result<Image> {
 }
 
 fn decode(path: &Path) -> anyhow::Result<Image> {
-    let decoder = PngDecoder::with_limits(BufReader::new(File::open(path)?), decoder::limits())?;
-    Ok(decoder::mapped(decoder::pixels(decoder)?, srgb::linear_from_srgb))
+    let mut decoder = decoder(path)?;
+    decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_ignore_text_chunk(true);
+    let mut reader = decoder.read_info()?;
+    let (width, height) = reader.info().size();
+    let (width, height) = (width as usize, height as usize);
+    // As decoded (8 bytes at most), as float.
+    check_size(width, height, 8 + 12)?;
+    let mut bytes = vec![0; reader.output_buffer_size().context("the image is too large")?];
+    let OutputInfo { color_type, bit_depth, .. } = reader.next_frame(&mut bytes)?;
+    let sample = |bytes: &[u8]| match *bytes {
+        [high, low] => f32::from(u16::from_be_bytes([high, low])) / f32::from(u16::MAX),
+        _ => f32::from(bytes[0]) / f32::from(u8::MAX),
+    };
+    let (size, samples) = (if bit_depth == BitDepth::Sixteen { 2 } else { 1 }, color_type.samples());
+    let grey = samples < 3;
+    let channel = |pixel: &[u8], i: usize| sample(&pixel[if grey { 0 } else { i * size }..][..size]);
+    let pixel = |pixel: &[u8]| [0, 1, 2].map(|i| srgb::linear_from_srgb(channel(pixel, i)));
+    Image::new(width, height, bytes.chunks_exact(size * samples).map(pixel).collect())
+}
+
+/// A decoder that skips colour profiles, as none is used.
+fn decoder(path: &Path) -> anyhow::Result<Decoder<BufReader<File>>> {
+    let limits = Limits { bytes: MOST_BESIDES };
+    let mut decoder = Decoder::new_with_limits(BufReader::new(File::open(path)?), limits);
+    decoder.set_ignore_iccp_chunk(true);
+    Ok(decoder)
 }
 
 /// Width and height, and what [`encode`] was told of the image.
 pub(super) fn attributes(path: &Path) -> anyhow::Result<([usize; 2], Vec<(String, String)>)> {
-    let limits = Limits { bytes: decoder::MOST_BESIDES as usize };
-    let reader = Decoder::new_with_limits(BufReader::new(File::open(path)?), limits).read_info()?;
+    let reader = decoder(path)?.read_info()?;
     let info = reader.info();
     let texts = info.utf8_text.iter().map(|chunk| Ok((chunk.keyword.clone(), chunk.get_text()?)));
     Ok(([info.width, info.height].map(|side| side as usize), texts.collect::<anyhow::Result<_>>()?))
