@@ -15,7 +15,7 @@ use ::image::{
 };
 use anyhow::Context;
 
-use super::{Attributes, decoder, lines};
+use super::{Attributes, SizeAndAttributes, decoder, lines};
 use crate::image::Image;
 
 /// The first bytes of every Radiance file.
@@ -48,7 +48,7 @@ pub fn read(path: &Path) -> anyhow::Result<Image> {
 }
 
 /// Width and height, and what [`encode`] was told of the image.
-pub(super) fn attributes(path: &Path) -> anyhow::Result<([usize; 2], Vec<(String, String)>)> {
+pub(super) fn attributes(path: &Path) -> anyhow::Result<SizeAndAttributes> {
     let (width, height) = HdrDecoder::new(BufReader::new(File::open(path)?))?.dimensions();
     let header = BufReader::new(File::open(path)?.take(MOST_OF_HEADER)).lines();
     let lines: Vec<_> = header.map_while(Result::ok).take_while(|line| !line.is_empty()).collect();

@@ -12,7 +12,7 @@ use ::image::{
 };
 use anyhow::{Context, bail};
 
-use super::{Attributes, decoder, lines, srgb};
+use super::{Attributes, SizeAndAttributes, decoder, lines, srgb};
 use crate::image::Image;
 
 /// The first bytes of every JPEG file: the marker of its start, and the next marker's first byte.
@@ -76,7 +76,7 @@ pub fn read(path: &Path) -> anyhow::Result<Image> {
 }
 
 /// Width and height, and what [`encode`] was told of the image.
-pub(super) fn attributes(path: &Path) -> anyhow::Result<([usize; 2], Vec<(String, String)>)> {
+pub(super) fn attributes(path: &Path) -> anyhow::Result<SizeAndAttributes> {
     crate::require_memory(fs::metadata(path)?.len(), "what it holds")?;
     let file = fs::read(path)?;
     let (width, height) = JpegDecoder::new(std::io::Cursor::new(&file))?.dimensions();

@@ -47,8 +47,11 @@ pub fn read_image(path: &Path) -> anyhow::Result<(Image, Format)> {
     Ok((image, format))
 }
 
-/// Width and height of an image file, and the attributes that it was written with.
-pub(crate) fn read_attributes(path: &Path, format: Format) -> anyhow::Result<([usize; 2], Vec<(String, String)>)> {
+/// Width and height of an image, and the attributes that it was written with.
+pub(crate) type SizeAndAttributes = ([usize; 2], Vec<(String, String)>);
+
+/// The same of an image file.
+pub(crate) fn read_attributes(path: &Path, format: Format) -> anyhow::Result<SizeAndAttributes> {
     let read = || match format {
         Format::Exr => exr::read(path).map(|file| ([file.image.width, file.image.height], file.attributes)),
         Format::Hdr => hdr::attributes(path),

@@ -8,7 +8,7 @@ use ::png::{
 };
 use anyhow::Context;
 
-use super::{Attributes, check_size, srgb};
+use super::{Attributes, SizeAndAttributes, check_size, srgb};
 use crate::image::Image;
 
 /// 1/2.2 in parts of 10⁻⁵, and x and y of white, red, green and blue: what the PNG specification (section 11.3.2.5) has beside the
@@ -81,7 +81,7 @@ fn decoder(path: &Path) -> anyhow::Result<Decoder<BufReader<File>>> {
 }
 
 /// Width and height, and what [`encode`] was told of the image.
-pub(super) fn attributes(path: &Path) -> anyhow::Result<([usize; 2], Vec<(String, String)>)> {
+pub(super) fn attributes(path: &Path) -> anyhow::Result<SizeAndAttributes> {
     let reader = decoder(path)?.read_info()?;
     let info = reader.info();
     let texts = info.utf8_text.iter().map(|chunk| Ok((chunk.keyword.clone(), chunk.get_text()?)));
