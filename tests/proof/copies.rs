@@ -139,7 +139,7 @@ fn crowd() -> tempfile::TempDir {
     writer.place(leaf, place(v(1.3, 2.2, -0.5), v(1.4, 2.0, 1.0), 2.0));
     let pixel = |x: u32, y: u32| {
         let lean = [128, 200, 128, 60][(x + y) as usize % 4];
-        Rgba([lean, 255 - lean, 220, if (x / 2 + y / 2) % 3 == 0 { 0 } else { 255 }])
+        Rgba([lean, 255 - lean, 220, if (x / 2 + y / 2).is_multiple_of(3) { 0 } else { 255 }])
     };
     let mut texture = Cursor::new(Vec::new());
     RgbaImage::from_fn(8, 8, pixel).write_to(&mut texture, ImageFormat::Png).unwrap();

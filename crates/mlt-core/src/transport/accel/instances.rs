@@ -92,7 +92,7 @@ impl Accel {
     }
 }
 
-impl<'a> Structure for &'a Instances {
+impl Structure for &Instances {
     #[inline(always)]
     fn nearest<S: Simd>(self, simd: S, ray: &Segment) -> Option<Hit> {
         let mut visit = Visit { instances: self, ray: (*ray).into(), hit: None };

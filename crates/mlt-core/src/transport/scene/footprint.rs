@@ -18,7 +18,9 @@ impl Scene {
     /// Memory that its largest parts take.
     pub fn footprint(&self) -> Footprint {
         Footprint {
-            geometry: self.triangles.bytes() + self.shapes.iter().map(Shape::bytes).sum::<usize>() + self.attributes.bytes(),
+            geometry: self.triangles.bytes()
+                + self.shapes.iter().map(Shape::bytes).sum::<usize>()
+                + self.attributes.bytes(),
             acceleration: self.accel.bytes(),
             textures: Texture::bytes(&self.textures),
         }
