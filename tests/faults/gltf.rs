@@ -142,7 +142,11 @@ fn a_scene_that_does_not_fit_is_refused_in_one_sentence() {
     accessors.push(json!({ "componentType": 5125, "count": 999_999, "type": "SCALAR", "sparse": sparse }));
     let indices = accessors.len() - 1;
     crowd["meshes"][0]["primitives"][0]["indices"] = indices.into();
-    let nodes = vec![json!({ "mesh": 0 }); 300];
+    // Meshes of their own: one that stands in all places would be held once.
+    let meshes = crowd["meshes"].as_array_mut().expect("meshes");
+    let (others, mesh) = (meshes.len(), meshes[0].clone());
+    meshes.extend(vec![mesh; 300]);
+    let nodes: Vec<_> = (others..others + 300).map(|mesh| json!({ "mesh": mesh })).collect();
     let first = crowd["nodes"].as_array().expect("nodes").len();
     crowd["nodes"].as_array_mut().expect("nodes").extend(nodes);
     crowd["scenes"][0]["nodes"] = (0..first + 300).collect::<Vec<_>>().into();

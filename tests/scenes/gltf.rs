@@ -520,6 +520,17 @@ fn a_chain_of_many_nodes_needs_no_deep_stack() {
     assert_eq!(document.loaded().description.meshes.len(), 1);
 }
 
+/// The first mesh so many times, as meshes of their own: one that stands in all places is held once.
+fn crowd(mut document: Document, count: usize) -> Document {
+    let (mesh, node) = (document.json["meshes"][0].clone(), document.json["nodes"][0].clone());
+    document.json["meshes"].as_array_mut().unwrap().extend(vec![mesh; count]);
+    let nodes = document.json["nodes"].as_array_mut().unwrap();
+    let first = nodes.len();
+    nodes.extend(vec![node; count]);
+    (0..count).for_each(|i| nodes[first + i]["mesh"] = (i + 1).into());
+    document.with("/scenes/0/nodes", (first..first + count).collect::<Vec<_>>().into())
+}
+
 #[test]
 fn a_small_file_cannot_ask_for_much_memory() {
     let sparse =
@@ -531,10 +542,7 @@ fn a_small_file_cannot_ask_for_much_memory() {
         assert!(Document::new().with("/accessors/2", accessor).error().contains("exceed the limit"));
     }
     let accessor = json!({ "componentType": 5125, "count": 1_000_000, "type": "SCALAR", "sparse": sparse });
-    let mut crowd = Document::new().with("/accessors/2", accessor);
-    let thing = crowd.json["nodes"][0].clone();
-    crowd.json["nodes"].as_array_mut().unwrap().extend(vec![thing; 500]);
-    let crowd = crowd.with("/scenes/0/nodes", (2..500).collect::<Vec<_>>().into());
+    let crowd = crowd(Document::new().with("/accessors/2", accessor), 500);
     assert!(crowd.error().contains("triangles exceed the limit"));
 }
 
@@ -568,10 +576,7 @@ fn the_work_depends_on_what_is_drawn() {
 fn a_scene_takes_its_memory_from_the_budget_or_is_refused() {
     let indices = json!({ "componentType": 5125, "count": 999_999, "type": "SCALAR", "sparse":
         { "count": 1, "indices": { "bufferView": 2, "componentType": 5123 }, "values": { "bufferView": 0 } } });
-    let mut crowd = Document::new().with("/accessors/2", indices);
-    let thing = crowd.json["nodes"][0].clone();
-    crowd.json["nodes"].as_array_mut().unwrap().extend(vec![thing; 300]);
-    let crowd = crowd.with("/scenes/0/nodes", (2..302).collect::<Vec<_>>().into());
+    let crowd = crowd(Document::new().with("/accessors/2", indices), 300);
     let refusal = |document: &Document, bytes| {
         let folder = tempfile::TempDir::new().unwrap();
         document.write(folder.path());
