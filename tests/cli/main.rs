@@ -8,6 +8,8 @@ mod formats;
 mod frames;
 #[cfg(unix)]
 mod interrupt;
+mod kills;
+mod many_parts;
 mod progress;
 mod render;
 mod resume;

@@ -45,3 +45,20 @@ impl<T: Copy> Stack<T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_pushed_last_is_popped_first() {
+        for depth in [0, 1, LOCAL_LEVELS, LOCAL_LEVELS + 1, 3 * LOCAL_LEVELS] {
+            let mut stack = Stack::new(depth);
+            for _ in 0..2 {
+                (0..depth).for_each(|level| stack.push(level));
+                assert!((0..depth).rev().all(|level| stack.pop() == Some(level)));
+                assert_eq!(stack.pop(), None);
+            }
+        }
+    }
+}
