@@ -6,6 +6,7 @@ mod diff;
 mod farm;
 mod formats;
 mod frames;
+mod inspect;
 #[cfg(unix)]
 mod interrupt;
 mod kills;
@@ -14,6 +15,7 @@ mod progress;
 mod render;
 mod resume;
 mod seeing;
+mod settings;
 mod usage;
 mod verify;
 mod verify_controls;

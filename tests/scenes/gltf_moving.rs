@@ -4,7 +4,7 @@ use crate::support::{Document, f32s};
 use glam::DVec3;
 use mlt_core::memory::Memory;
 use mlt_core::transport::geometry::Mesh;
-use mlt_scene::{LoadOptions, Loaded, SceneError};
+use mlt_scene::{LoadOptions, Loaded, MovingScene, SceneError};
 use serde_json::{Value, json};
 
 fn at(document: &Document, time: f64) -> Loaded {
@@ -169,6 +169,23 @@ fn animations_are_read_at_a_time_by_their_interpolation() {
     assert!((corner(&cubic, 2.0).y - 3.0).abs() < 1e-9, "{}", corner(&cubic, 2.0));
     let control = animated("translation", "LINEAR", &slopes, "VEC3", 3);
     assert!((corner(&control, 2.0).y - 3.0).abs() > 1.0);
+}
+
+#[test]
+fn what_is_the_same_at_all_times_is_read_once() {
+    let line = animated("translation", "LINEAR", &[0., 0., 0., 0., 4., 0.], "VEC3", 3);
+    let folder = tempfile::TempDir::new().unwrap();
+    line.write(folder.path());
+    let path = folder.path().join("scene.gltf");
+    let mut scene = MovingScene::new(&path, LoadOptions::default());
+    for time in [1.5, 3.0, 0.0] {
+        let [moving, alone] = [scene.at(time, &Memory::unlimited()).unwrap(), at(&line, time)];
+        assert_eq!(moving.description.meshes[0].positions, alone.description.meshes[0].positions, "{time}");
+        assert_eq!((moving.digest, moving.warnings), (alone.digest, alone.warnings), "{time}");
+    }
+    std::fs::write(&path, "no JSON").unwrap();
+    assert!(scene.at(2.0, &Memory::unlimited()).is_ok());
+    assert!(MovingScene::new(&path, LoadOptions::default()).at(2.0, &Memory::unlimited()).is_err());
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod exit;
 pub mod farm;
 pub mod image;
 pub mod info;
+pub mod inspect;
 pub mod interrupt;
 pub mod kept;
 mod log;
@@ -56,6 +57,7 @@ fn run(cli: &args::Cli) -> Result<(), Failure> {
     log::start(cli.general.verbose);
     match &cli.command {
         args::Command::Render(options) => render::run(options),
+        args::Command::Inspect(options) => inspect::run(options),
         args::Command::Scenes(options) => tools::scenes::run(options),
         args::Command::Merge(options) => merge::run(options),
         args::Command::Farm(options) => farm::run(options),

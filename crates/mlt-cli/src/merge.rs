@@ -14,6 +14,9 @@ use crate::{
 /// Adds the parts up, one at a time in memory beside the sum, and writes the files.
 pub fn run(options: &MergeOptions) -> Result<(), Failure> {
     output::check_targets(&options.outputs, options.json).map_err(Failure::Usage)?;
+    if !options.force {
+        output::check_existing(options.outputs.iter().cloned()).map_err(Failure::Usage)?;
+    }
     let mut parts = options.parts.iter().map(|path| read(path));
     let mut sum = parts.next().unwrap_or_else(|| Err(Failure::Usage(anyhow!("no part is given"))))?;
     for part in parts {

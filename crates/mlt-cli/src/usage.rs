@@ -1,7 +1,7 @@
 //! What is wrong with a command line, in one sentence.
 
 use clap::{
-    CommandFactory, Error,
+    Arg, CommandFactory, Error,
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use mlt_scene::meant;
@@ -36,7 +36,12 @@ pub(crate) fn sentence(error: &Error) -> String {
     match (error.kind(), named(ContextKind::InvalidArg), named(ContextKind::InvalidSubcommand)) {
         (ErrorKind::UnknownArgument, Some(given), _) => {
             let question = question(&given, named(ContextKind::SuggestedArg));
-            let otherwise = format!("; see '{} --help'", command(error));
+            let otherwise = match command(error) {
+                name if name == "mlt" && renders(&given) => {
+                    format!("; it belongs to a command, as in 'mlt render {given}'")
+                }
+                name => format!("; see '{name} --help'"),
+            };
             format!("unexpected argument '{given}' found{}", question.unwrap_or(otherwise))
         }
         (ErrorKind::InvalidSubcommand, _, Some(given)) => {
@@ -52,6 +57,17 @@ pub(crate) fn sentence(error: &Error) -> String {
 fn bare(name: &str) -> &str {
     let name = name.trim_start_matches('-');
     name.split([' ', '=']).next().unwrap_or(name)
+}
+
+/// Whether `mlt render` has this option.
+fn renders(option: &str) -> bool {
+    let program = Cli::command();
+    let render = program.find_subcommand("render");
+    let has_name = |argument: &Arg| {
+        let names = argument.get_long_and_visible_aliases().unwrap_or_default();
+        names.contains(&bare(option))
+    };
+    render.is_some_and(|render| render.get_arguments().any(has_name))
 }
 
 /// The command whose usage clap shows, such as `mlt render`.
@@ -90,7 +106,8 @@ mod tests {
             ("render --heigth=4", "unexpected argument '--heigth' found; did you mean '--height'?"),
             ("render --wdght 4", "unexpected argument '--wdght' found; see 'mlt render --help'"),
             ("diff --width 4", "unexpected argument '--width' found; see 'mlt diff --help'"),
-            ("--spp 4", "unexpected argument '--spp' found; see 'mlt --help'"),
+            ("--spp 4", "unexpected argument '--spp' found; it belongs to a command, as in 'mlt render --spp'"),
+            ("--zzzz 4", "unexpected argument '--zzzz' found; see 'mlt --help'"),
             ("rendr a.glb", "there is no command 'rendr'; did you mean 'render'?"),
         ] {
             assert_eq!(said(line), sentence);

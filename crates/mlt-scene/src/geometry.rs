@@ -108,7 +108,7 @@ impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<'_, P, N> {
             let (name, count) = (&mesh.name, bad.len());
             warnings.push(format!(
                 "mesh `{name}`: {count} vertices have coordinates that are not numbers or beyond {MAX_COORDINATE:e}; \
-                 the {lost} triangles that use them are dropped"
+                 the {lost} triangles that use them are dropped: look for vertices that are far away, and delete them"
             ));
         }
         let used = renumber(&mut mesh.triangles);
@@ -163,5 +163,5 @@ fn repair_normals(mesh: &mut Mesh, warnings: &mut Vec<String>) {
         *normal = sum.normalize_or(DVec3::Y).as_vec3();
     }
     let name = &mesh.name;
-    warnings.push(format!("mesh `{name}`: {bad} normals have no direction; the triangles' own stand in for them"));
+    warnings.push(format!("mesh `{name}`: {bad} normals have no direction; the triangles' own stand in for them (Blender: Mesh > Normals > Recalculate Outside)"));
 }

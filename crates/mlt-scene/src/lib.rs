@@ -25,6 +25,7 @@ mod moving;
 mod names;
 mod obj_file;
 mod options;
+mod outline;
 mod range;
 mod source;
 mod text;
@@ -45,6 +46,7 @@ pub use missing::{SCENE_EXTENSIONS, is_scene_file};
 pub use moving::MovingScene;
 pub use names::{instead_of, meant};
 pub use options::{Copies, LightUnits, LoadOptions};
+pub use outline::Entry;
 pub use text::{MOST_OF_A_MESSAGE, printable};
 
 /// A scene, and what could not be taken over from its file.
@@ -54,6 +56,8 @@ pub struct Loaded {
     pub name: String,
     /// The scene, for the renderer.
     pub description: SceneDescription,
+    /// The nodes of the file that are shown, depth first; of an OBJ file its meshes.
+    pub outline: Vec<Entry>,
     /// One sentence each, for the user.
     pub warnings: Vec<String>,
     /// A hash of the files that it was read from, in hexadecimal digits: scenes of different files have different ones.

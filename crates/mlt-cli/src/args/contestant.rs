@@ -8,8 +8,11 @@ use super::{render::RenderOptions, scene::SceneOptions};
 use crate::usage::sentence;
 
 /// Options that all runs of a study share beside [`SceneOptions`], and that a method can therefore not have for itself.
-const SHARED: [&str; 23] = [
+const SHARED: [&str; 26] = [
     "output",
+    "force",
+    "config",
+    "like",
     "max-length",
     "mutations-per-pixel",
     "samples-per-pixel",

@@ -12,10 +12,10 @@ const MOST_FRAMES: u32 = 100_000;
 /// Options for animations.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub struct FrameOptions {
-    /// Render frames A to B of a glTF file's animations; #### in the name of -o is the frame's number
+    /// Render frames A to B of an animation, to -o frame.####.exr
     ///
     /// Frame N is at N/FPS seconds, as Blender's exporter counts. The budget is that of each frame.
-    #[arg(long, value_name = "A-B", help_heading = heading::ANIMATION)]
+    #[arg(long, value_name = "A-B", hide_short_help = true, help_heading = heading::ANIMATION)]
     #[arg(conflicts_with_all = ["time_in_animation", "checkpoint", "resume", "shard"])]
     pub frames: Option<Frames>,
     /// Frames per second

@@ -10,6 +10,8 @@ pub const BUDGET: &str = "Budget";
 pub const METHOD: &str = "Method";
 /// What comes out.
 pub const OUTPUT: &str = "Output";
+/// Where options come from besides.
+pub const OPTIONS: &str = "Options from a file";
 /// What is lit.
 pub const SCENE: &str = "Scene";
 /// Many images of what moves.

@@ -8,16 +8,16 @@ use std::{
 use clap::ValueEnum;
 use mlt_scene::{BUILTIN, is_scene_file};
 
-use super::Colour;
+use super::{Colour, settings};
 use crate::Failure;
 
-/// The command line that is meant: a scene without a command is rendered.
+/// The command line that is meant: a scene without a command is rendered, with the options of the files that it names.
 pub fn completed(mut words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
     let is_option = |word: &OsString| word.as_encoded_bytes().starts_with(b"-");
     if words.iter().skip(1).find(|word| !is_option(word)).is_some_and(|word| is_scene(word)) {
         words.insert(1, "render".into());
     }
-    Ok(words)
+    settings::with_files(words)
 }
 
 fn is_scene(word: &OsStr) -> bool {

@@ -17,6 +17,9 @@ pub struct MergeOptions {
     /// Write to FILE: .exr, .hdr, .png or .jpg if the parts are complete, .mltp for a larger part; may be given several times
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     pub outputs: Vec<OutputFile>,
+    /// Overwrite files that mlt has not made, too
+    #[arg(long)]
+    pub force: bool,
     /// Exposure of PNG and JPEG files in stops; the render's if not given
     #[arg(long, value_name = "EV", value_parser = exposure)]
     pub exposure: Option<f64>,

@@ -12,12 +12,14 @@ pub mod environment;
 pub mod farm;
 pub mod frames;
 pub mod heading;
+pub mod inspect;
 pub mod kept;
 pub mod line;
 pub mod merge;
 pub mod perturbations;
 pub mod render;
 pub mod scene;
+mod settings;
 pub mod show;
 pub mod tools;
 pub mod transport;
@@ -77,6 +79,8 @@ pub enum Colour {
 pub enum Command {
     /// Render a scene
     Render(Box<render::RenderOptions>),
+    /// Tell what a scene holds, and what a render makes of it
+    Inspect(Box<inspect::InspectOptions>),
     /// List the built-in scenes
     Scenes(tools::ScenesOptions),
     /// Add up parts of a render

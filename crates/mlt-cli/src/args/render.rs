@@ -52,7 +52,7 @@ pub struct RenderOptions {
     /// Where the scene is seen from.
     #[command(flatten)]
     pub view: ViewOptions,
-    /// Exposure of PNG and JPEG files in stops: 1 is twice as bright
+    /// Exposure of PNG and JPEG in stops: 1 is twice as bright
     #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0, help_heading = heading::IMAGE)]
     pub exposure: f64,
 
@@ -69,7 +69,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = heading::BUDGET)]
     pub error: Option<f64>,
 
-    /// How light is computed; by itself, auto finds out what suits the scene
+    /// How light is computed; auto suits itself to the scene
     ///
     /// If not given, mlt if an option asks for mutations, strata, weights, a variant, perturbations or an importance, else auto.
     #[arg(long, visible_alias = "integrator", value_enum, help_heading = heading::METHOD)]
@@ -79,13 +79,18 @@ pub struct RenderOptions {
     #[arg(help_heading = heading::METHOD)]
     pub threads: Option<NonZeroUsize>,
 
-    /// Write to FILE, .exr, .hdr, .png, .jpg or .mltp; may be given several times
+    /// Write to FILE, .exr, .hdr, .png, .jpg or .mltp; may be repeated
     ///
     /// .exr is linear, with error bars; .hdr is linear; .png and .jpg are for looking at; .mltp holds exact sums, for 'mlt merge'. - is
     /// standard output, as OpenEXR or as in png:-. SCENE.exr and SCENE.png in the current folder if not given.
     #[arg(short, long = "output", alias = "outfile", value_name = "FILE", value_hint = ValueHint::FilePath)]
     #[arg(help_heading = heading::OUTPUT)]
     pub outputs: Vec<OutputFile>,
+    /// Overwrite files that mlt has not made, too
+    ///
+    /// Images and checkpoints that mlt has made are overwritten without it.
+    #[arg(long, help_heading = heading::OUTPUT, hide_short_help = true)]
+    pub force: bool,
     /// What is seen beside the image.
     #[command(flatten)]
     pub show: ShowOptions,
@@ -96,6 +101,19 @@ pub struct RenderOptions {
     /// No progress, no report; errors and warnings only
     #[arg(short, long, help_heading = heading::OUTPUT)]
     pub quiet: bool,
+
+    /// Take options from FILE, in TOML: the names of the long options, as in time = "30s"
+    ///
+    /// What the command line says wins. 'file' names the scene; a list stands for several values, true and false for flags.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
+    #[arg(hide_short_help = true)]
+    pub config: Option<PathBuf>,
+    /// Take the options that FILE, an image of 'mlt render', was made with
+    ///
+    /// Scene, view, method, seed and budget, that is. What the command line says wins; its budget replaces that of the file.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
+    #[arg(hide_short_help = true)]
+    pub like: Option<PathBuf>,
 
     /// How the scene is read.
     #[command(flatten)]
@@ -177,7 +195,10 @@ impl RenderOptions {
         let previews = self.show.files().filter(|file| targets.iter().all(|target| target.path != file.path));
         let denoised: Vec<_> = targets.iter().filter(|_| self.show.denoise).filter_map(OutputFile::denoised).collect();
         let files: Vec<_> = targets.iter().chain(previews).chain(&denoised).cloned().collect();
-        output::check_targets(&files, self.json).map_err(Failure::Usage)
+        output::check_targets(&files, self.json).map_err(Failure::Usage)?;
+        // What is wrong with a file that is resumed is told by whoever reads it.
+        let others = files.into_iter().filter(|file| !self.force && self.keeping.resume.as_ref() != Some(&file.path));
+        output::check_existing(others).map_err(Failure::Usage)
     }
 
     /// Finds what is wrong with the options together.

@@ -14,23 +14,23 @@ const TEV: &str = "127.0.0.1:14158";
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub struct ShowOptions {
     /// Further channels in OpenEXR files
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", help_heading = heading::OUTPUT)]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", hide_short_help = true, help_heading = heading::OUTPUT)]
     pub aov: Vec<Aov>,
-    /// Write FILE.denoised.EXT beside each image, by Open Image Denoise if that is installed
+    /// Write a denoised image, FILE.denoised.EXT, beside each image
     ///
-    /// It is biased, and marked so; the image itself stays as it is.
+    /// By Open Image Denoise, if that is installed. It is biased, and marked so; the image itself stays as it is.
     #[arg(long, help_heading = heading::OUTPUT)]
     pub denoise: bool,
-    /// Show the image so far every few seconds, in an image FILE or in the viewer tev
+    /// Show the image so far in an image FILE or in the viewer tev
     ///
-    /// FILE is replaced each time; tev may be at another address, as in tev:HOST:PORT. May be given several times. The signal SIGUSR1
+    /// FILE is replaced every few seconds; tev may be at another address, as in tev:HOST:PORT. May be given several times. The signal SIGUSR1
     /// has the files of --output written as they are so far.
     #[arg(long = "preview", value_name = "FILE|tev", help_heading = heading::OUTPUT)]
     pub previews: Vec<Preview>,
 }
 
 /// What a further channel says of a pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Aov {
     /// albedo.R, .G, .B: reflectance, followed through mirrors and smooth glass
     Albedo,
@@ -44,6 +44,8 @@ pub enum Aov {
     Stratum,
     /// stderr.R, .G, .B: standard error, which is always there
     Stderr,
+    /// All of them
+    All,
 }
 
 /// Where the image so far is shown.
@@ -82,9 +84,16 @@ impl FromStr for Preview {
 }
 
 impl ShowOptions {
+    /// The channels that were asked for, each once.
+    pub fn channels(&self) -> Vec<Aov> {
+        let all = || Aov::value_variants().iter().copied().filter(|&aov| aov != Aov::All);
+        let asked = |aov: &Aov| self.aov.contains(aov) || self.aov.contains(&Aov::All);
+        all().filter(asked).collect()
+    }
+
     /// Whether something is asked for that camera rays find.
     pub fn features(&self) -> bool {
-        self.aov.iter().any(|&aov| aov != Aov::Stderr)
+        self.channels().iter().any(|&aov| aov != Aov::Stderr)
     }
 
     /// Files that previews go to.
@@ -97,6 +106,14 @@ impl ShowOptions {
 mod tests {
     use super::*;
     use crate::output::Format;
+
+    #[test]
+    fn channels_come_once_in_their_order() {
+        let channels = |aov: &[Aov]| ShowOptions { aov: aov.to_vec(), ..ShowOptions::default() }.channels();
+        assert_eq!(channels(&[Aov::Depth, Aov::Albedo, Aov::Depth]), [Aov::Albedo, Aov::Depth]);
+        assert_eq!(channels(&[Aov::All]).len(), 6);
+        assert_eq!(channels(&[]), []);
+    }
 
     #[test]
     fn previews_are_files_or_tev() {

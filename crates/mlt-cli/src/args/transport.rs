@@ -145,8 +145,13 @@ fn or_default<T: Copy + Default + Serialize, S: Serializer>(value: &Option<T>, t
 impl TransportOptions {
     /// Whether they ask for something that only chains have.
     pub fn ask_for_chains(&self) -> bool {
+        self.weights.is_some() || self.change_chains()
+    }
+
+    /// Whether chains with them are others than those without.
+    pub fn change_chains(&self) -> bool {
         self.strata != Strata::default()
-            || self.weights.is_some()
+            || self.weights.unwrap_or_default() != Weights::default()
             || self.variant != Variant::default()
             || self.perturbations != PerturbationList::default()
             || self.importance != Importance::default()

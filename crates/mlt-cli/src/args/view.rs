@@ -35,7 +35,7 @@ pub struct ViewOptions {
     /// Render only a part of the image, as in 100,50,300,200
     ///
     /// Its left, top, right and bottom edge, in pixels or, with a point as in 0.25,0.1,0.75,0.5, in parts of the image.
-    #[arg(long, value_name = "X0,Y0,X1,Y1", help_heading = heading::IMAGE)]
+    #[arg(long, value_name = "X0,Y0,X1,Y1", hide_short_help = true, help_heading = heading::IMAGE)]
     pub crop: Option<Crop>,
     /// The scene's camera of this name; its first one if not given
     ///

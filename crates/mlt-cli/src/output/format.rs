@@ -41,6 +41,14 @@ impl Format {
     pub fn of_file(path: &Path) -> anyhow::Result<Self> {
         let mut start = Vec::new();
         File::open(path)?.take(8).read_to_end(&mut start)?;
+        match Self::of_start(&start) {
+            Some(format) => Ok(format),
+            None => bail!("neither an OpenEXR nor a Radiance HDR, PNG or JPEG file"),
+        }
+    }
+
+    /// The format of a file that begins with these bytes.
+    pub(super) fn of_start(start: &[u8]) -> Option<Self> {
         let all = [
             (&exr::MAGIC[..], Self::Exr),
             (&hdr::MAGIC, Self::Hdr),
@@ -49,10 +57,7 @@ impl Format {
             (&kept::MAGIC, Self::Sums),
             (&kept::pilot::MAGIC, Self::Pilot),
         ];
-        match all.iter().find(|(magic, _)| start.starts_with(magic)) {
-            Some(&(_, format)) => Ok(format),
-            None => bail!("neither an OpenEXR nor a Radiance HDR, PNG or JPEG file"),
-        }
+        all.iter().find(|(magic, _)| start.starts_with(magic)).map(|&(_, format)| format)
     }
 
     /// What a file of it is, in words.

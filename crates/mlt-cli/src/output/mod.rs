@@ -10,6 +10,7 @@ use anyhow::{Context, bail};
 use crate::image::Image;
 
 mod decoder;
+mod existing;
 pub mod exr;
 mod format;
 pub mod hdr;
@@ -20,6 +21,7 @@ pub mod png;
 pub(crate) mod srgb;
 mod target;
 
+pub use existing::check_existing;
 pub use format::Format;
 pub use picture::{Channel, Frame, Picture};
 pub use target::{OutputFile, check_target, check_targets};

@@ -23,9 +23,7 @@ pub(crate) struct Features {
 impl Features {
     /// Those that were asked for, on the current rayon pool.
     pub(super) fn find(options: &RenderOptions, view: View) -> Self {
-        let mut asked = options.show.aov.clone();
-        asked.sort_unstable();
-        asked.dedup();
+        let asked = options.show.channels();
         let of_surfaces = asked.iter().any(|aov| !matches!(aov, Aov::Stratum | Aov::Stderr));
         let found = &if of_surfaces || options.show.denoise { surfaces(view) } else { Vec::new() };
         let channels = |&aov: &Aov| match aov {
@@ -33,7 +31,7 @@ impl Features {
                 let strata = strongest_strata(view, options.transport.strata.lights);
                 vec![single("stratum", strata.into_iter().map(|stratum| stratum.map_or(-1.0, |number| number as f32)))]
             }
-            Aov::Stderr => Vec::new(),
+            Aov::Stderr | Aov::All => Vec::new(),
             of_surfaces => channels(of_surfaces, found),
         };
         let guides = || Guides { albedo: each(found, |f| f.albedo), normal: each(found, |f| f.normal) };
@@ -49,7 +47,7 @@ fn channels(aov: Aov, found: &[SurfaceFeatures]) -> Vec<Channel> {
         Aov::Normal => triples(["N.X", "N.Y", "N.Z"], |feature| feature.normal),
         Aov::Position => triples(["P.X", "P.Y", "P.Z"], |feature| feature.position),
         Aov::Depth => vec![single("Z", found.iter().map(|feature| feature.depth))],
-        Aov::Stratum | Aov::Stderr => Vec::new(),
+        Aov::Stratum | Aov::Stderr | Aov::All => Vec::new(),
     }
 }
 

@@ -3,7 +3,7 @@
 use mlt_core::{engine::Film, transport::render::Sums};
 use rayon::prelude::*;
 
-use super::{Features, Plan, session::Made};
+use super::{Features, Plan, exposure, session::Made};
 use crate::{
     Failure,
     args::{
@@ -32,6 +32,8 @@ pub(crate) fn write(options: &RenderOptions, made: Made, sums: &Sums) -> Result<
     if !images.is_empty() {
         let with_errors = images.iter().any(|output| output.format == Format::Exr);
         let (image, stderr) = develop(sums.film(), with_errors)?;
+        let shown = images.iter().any(|output| output.format.is_for_screens());
+        report.warnings.extend(shown.then(|| exposure::advice(&image, options.exposure)).flatten());
         let frame = options.view.frame()?.unwrap_or(Frame::whole(&image));
         let errors = stderr.iter().flat_map(|stderr| Channel::of_triples(exr::STDERR, stderr));
         let channels = errors.chain(channels).collect();

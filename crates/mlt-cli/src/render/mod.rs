@@ -2,6 +2,7 @@
 
 mod blocks;
 mod checkpoint;
+mod exposure;
 mod features;
 mod files;
 mod frames;
@@ -45,7 +46,7 @@ pub(crate) use features::Features;
 pub(crate) use files::write;
 pub(crate) use plan::Plan;
 pub(crate) use session::{Finished, Made};
-pub(crate) use setup::Setup;
+pub(crate) use setup::{Setup, bytes_of_image};
 pub(crate) use summary::report;
 
 /// Renders, writes the files, and reports.

@@ -23,6 +23,11 @@ pub(super) struct Previews {
     last: Instant,
 }
 
+/// The mark of an image that is not done.
+fn under_way() -> Vec<(String, String)> {
+    vec![("mlt.preview".to_owned(), "a render under way".to_owned())]
+}
+
 enum Screen {
     File(OutputFile),
     Tev(Tev),
@@ -52,7 +57,7 @@ impl Previews {
         let [width, height] = film.size().map(|n| n as usize);
         let Ok(image) = Image::new(width, height, film.preview()) else { return };
         let frame = Frame::whole(&image);
-        let picture = Picture { image, channels: Vec::new(), frame, attributes: Vec::new(), exposure: self.exposure };
+        let picture = Picture { image, channels: Vec::new(), frame, attributes: under_way(), exposure: self.exposure };
         self.screens.retain_mut(|screen| match screen.show(&picture) {
             Ok(()) => true,
             Err(error) => {

@@ -4,8 +4,10 @@ use std::time::Instant;
 
 use anyhow::{Context, anyhow};
 use mlt_core::memory::Memory;
-use mlt_core::transport::scene::{Camera, Scene, SceneDescription, SceneGeometry, SurfaceName, UnusableScene};
-use mlt_scene::Loaded;
+use mlt_core::transport::scene::{
+    Camera, CameraPose, Scene, SceneDescription, SceneGeometry, SurfaceName, UnusableScene,
+};
+use mlt_scene::{Entry, Loaded};
 use tracing::info;
 
 use super::pose::pose;
@@ -37,6 +39,10 @@ pub(crate) struct Setup {
     pub camera: Camera,
     /// Size of the image that this one is, or is a part of.
     pub size: [u32; 2],
+    /// The same camera as its file or the options say it.
+    pub pose: CameraPose,
+    /// The nodes of its file.
+    pub outline: Vec<Entry>,
     /// The memory that the scene and the film leave for the rounds.
     pub memory: Memory,
 }
@@ -70,12 +76,13 @@ impl Setup {
             let words = "nothing in the file gives light, so a neutral sky does";
             warnings.push(format!("{words}; --environment chooses another, or none"));
         }
-        let Seen { scene, camera, size, used } = seen(options, loaded, (&memory, geometry), &mut warnings)?;
+        let outline = std::mem::take(&mut loaded.outline);
+        let Seen { scene, camera, size, pose, used } = seen(options, loaded, (&memory, geometry), &mut warnings)?;
         let (triangles, lights) = (scene.triangles(), scene.lights().lights.len());
         info!("{triangles} triangles and {lights} lights are set up in {:.3} s", start.elapsed().as_secs_f64());
         info!("camera {used}; {:?}", scene.needs());
         let provenance = Provenance { scene: options.scene.display().to_string(), camera: used, warnings };
-        Ok(Self { provenance, digest, scene, camera, size, memory })
+        Ok(Self { provenance, digest, scene, camera, size, pose, outline, memory })
     }
 }
 
@@ -84,7 +91,15 @@ struct Seen {
     scene: Scene,
     camera: Camera,
     size: [u32; 2],
+    pose: CameraPose,
     used: CameraUsed,
+}
+
+/// Memory for an image and the files in the making, bytes.
+pub(crate) fn bytes_of_image(options: &RenderOptions, size: [u32; 2]) -> u64 {
+    let kept = if options.keeps_sums() { BYTES_PER_PIXEL_KEPT } else { 0 };
+    let features = if options.show.features() || options.show.denoise { BYTES_PER_PIXEL_FEATURES } else { 0 };
+    u64::from(size[0]) * u64::from(size[1]) * (BYTES_PER_PIXEL + kept + features)
 }
 
 /// The scene and the camera, and memory taken for the film.
@@ -102,10 +117,7 @@ fn seen(
     let whole = Window { corner: [0, 0], size };
     let window = options.view.crop.map_or(Ok(whole), |crop| crop.window(size)).map_err(Failure::Usage)?;
     let [width, height] = window.size;
-    let kept = if options.keeps_sums() { BYTES_PER_PIXEL_KEPT } else { 0 };
-    let features = if options.show.features() || options.show.denoise { BYTES_PER_PIXEL_FEATURES } else { 0 };
-    let bytes = u64::from(width) * u64::from(height) * (BYTES_PER_PIXEL + kept + features);
-    take_memory(memory, bytes, &format!("an image of {width}x{height}"))?;
+    take_memory(memory, bytes_of_image(options, window.size), &format!("an image of {width}x{height}"))?;
     let scene = Scene::with_geometry(loaded.description, geometry);
     // What was left out may be why it fails.
     let scene = scene
@@ -122,7 +134,7 @@ fn seen(
         let words = "no camera in the file can be used, so the scene is framed whole";
         warnings.push(format!("{words}; --camera-from and --camera-to choose a view"));
     }
-    Ok(Seen { scene, camera, size, used })
+    Ok(Seen { scene, camera, size, pose, used })
 }
 
 /// The error for a scene that cannot be rendered, with a word on how a file comes by its lights.

@@ -123,7 +123,7 @@ impl Agreement {
         (*effective_samples < FEW_SAMPLES).then(|| {
             format!(
                 "rounds disagree (R-hat {r_hat:.2}) in column {} of {columns}, row {} of {rows}, of the image: they are worth \
-                 {effective_samples:.0} independent samples there; take more or longer rounds",
+                 {effective_samples:.0} independent samples there; render longer, or by another --method",
                 x + 1,
                 y + 1
             )

@@ -1,7 +1,7 @@
 //! `mlt man`: manual pages.
 
 use anyhow::{Context, anyhow};
-use clap::{Command, CommandFactory};
+use clap::{Arg, Command, CommandFactory};
 use clap_mangen::Man;
 
 use crate::{
@@ -18,7 +18,8 @@ pub fn run(options: &ManOptions) -> Result<(), Failure> {
         if !folder.is_dir() {
             return Err(Failure::Usage(anyhow!("{}: is no folder; make it first", folder.display())));
         }
-        for command in std::iter::once(&program).chain(program.get_subcommands()) {
+        let commands = program.get_subcommands().filter(|command| command.get_name() != "help");
+        for command in std::iter::once(&program).chain(commands) {
             let (name, text) = page(command)?;
             atomic::write(&folder.join(name), &text)?;
         }
@@ -36,7 +37,14 @@ pub fn run(options: &ManOptions) -> Result<(), Failure> {
 
 /// The file name of a command's page, and its text in roff.
 fn page(command: &Command) -> anyhow::Result<(String, Vec<u8>)> {
-    let page = Man::new(command.clone().version(env!("CARGO_PKG_VERSION")).disable_help_subcommand(true));
+    // Of options that are hidden in short help, the page shows long help alone.
+    let with_long_help = |argument: Arg| match (argument.get_long_help(), argument.get_help().cloned()) {
+        (None, Some(help)) => argument.long_help(help),
+        _ => argument,
+    };
+    let command = command.clone().mut_args(with_long_help);
+    let page = Man::new(command.version(env!("CARGO_PKG_VERSION")).disable_help_subcommand(true));
+    let page = page.date(concat!("version ", env!("CARGO_PKG_VERSION"))).source("mlt");
     let mut text = Vec::new();
     page.render(&mut text).context("cannot make the manual page")?;
     Ok((page.get_filename(), text))

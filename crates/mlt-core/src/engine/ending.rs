@@ -136,7 +136,8 @@ impl<const C: usize> Ending<C> {
     fn share(&self, done: f64, error: Option<f64>) -> f64 {
         let rounds = self.limits.rounds.map_or(0.0, |rounds| done / rounds as f64);
         let time = self.limits.time.map_or(0.0, |time| self.start.elapsed().as_secs_f64() / time.as_secs_f64());
-        let error = self.limits.error.zip(error).map_or(0.0, |(target, error)| (target / error).powi(2));
+        let trusted = done / TRUSTED_ROUNDS as f64;
+        let error = self.limits.error.zip(error).map_or(0.0, |(target, error)| (target / error).powi(2).min(trusted));
         rounds.max(time).max(error).min(1.0)
     }
 
@@ -226,6 +227,7 @@ mod tests {
         assert_eq!((left(error, None), left(error, Some(0.02))), (None, Some(96.0)));
         assert_eq!(left(Limits { time: time.time, ..error }, Some(0.02)), Some(12.0));
         // Eight rounds are made at least.
+        assert_eq!(ending(error, 0).share(2.0, Some(1e-3)), 0.25);
         assert_eq!(ending(error, 0).left(2.0, Some(1e-3), Duration::from_secs(1)), Some(Duration::from_secs(6)));
     }
 

@@ -12,6 +12,7 @@ mod instance;
 mod light;
 mod material;
 mod meshopt;
+mod outline;
 mod parse;
 mod primitive;
 mod shape;
@@ -89,7 +90,8 @@ pub(crate) fn load(source: &Source, options: &LoadOptions, kept: &mut Kept) -> R
     light::add(lights, source, &mut description)?;
     *hashes = source.hashes();
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { name, description, warnings, digest: source.digest(), neutral_sky: false })
+    let outline = outline::outline(document, &nodes);
+    Ok(Loaded { name, description, outline, warnings, digest: source.digest(), neutral_sky: false })
 }
 
 /// The materials that some nodes show.

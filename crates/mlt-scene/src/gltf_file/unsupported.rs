@@ -52,12 +52,21 @@ pub(super) fn in_document(document: &Document, animated: bool) -> Vec<String> {
     let mut warnings: Vec<_> = document
         .extensions_used()
         .filter(|name| !KNOWN.contains(name) && !named_elsewhere.contains(*name))
-        .map(|name| format!("the extension {} is not supported; what it says is left out", shown(name)))
+        .map(|name| {
+            format!(
+                "the extension {} is not supported; what it says is left out: if the image lacks it, export without it",
+                shown(name)
+            )
+        })
         .collect();
     match (document.animations().len() > 0, animated) {
         (true, false) => warnings
             .push("the file is animated and shown as it stands at rest; --time-in-animation chooses a time".to_owned()),
-        (false, true) => warnings.push("the file has no animation that can be read, and is shown at rest".to_owned()),
+        (false, true) => warnings.push(
+            "the file has no animation that can be read, and is shown at rest; export it with animations, or leave \
+             --time-in-animation out"
+                .to_owned(),
+        ),
         _ => {}
     }
     warnings
@@ -119,5 +128,6 @@ fn place_of(material: &Material) -> String {
 }
 
 fn sentence(place: &str, features: Vec<String>) -> Option<String> {
-    (!features.is_empty()).then(|| format!("{place}: not supported and left out: {}", features.join(", ")))
+    let remedy = "if the image lacks it, bake it into base colour, roughness or emission";
+    (!features.is_empty()).then(|| format!("{place}: not supported and left out: {}; {remedy}", features.join(", ")))
 }

@@ -61,6 +61,13 @@ impl Instances {
         Self { copies, firsts, tree, in_leaf }
     }
 
+    /// Memory that they and their shapes take, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let Self { copies: Copies { shapes, places }, firsts, tree, in_leaf } = self;
+        let lists = size_of_val(&places[..]) + size_of_val(&firsts[..]) + size_of_val(&in_leaf[..]);
+        tree.bytes() + lists + shapes.iter().map(Accel::bytes).sum::<usize>()
+    }
+
     /// The copy that has the triangle of an index, which is not less than the first.
     pub(super) fn find(&self, primitive: u32) -> Instance<'_> {
         let number = self.firsts.partition_point(|&first| first <= primitive) - 1;
@@ -89,13 +96,13 @@ impl<'a> Structure for &'a Instances {
     #[inline(always)]
     fn nearest<S: Simd>(self, simd: S, ray: &Segment) -> Option<Hit> {
         let mut visit = Visit { instances: self, ray: (*ray).into(), hit: None };
-        nearest_hit(simd, &self.tree, ray, &mut visit);
+        nearest_hit::<_, false>(simd, &self.tree, ray, &mut visit);
         visit.hit
     }
 
     #[inline(always)]
     fn any<S: Simd>(self, simd: S, ray: &Segment) -> bool {
-        any_hit(simd, &self.tree, ray, &Visit { instances: self, ray: (*ray).into(), hit: None })
+        any_hit::<_, false>(simd, &self.tree, ray, &Visit { instances: self, ray: (*ray).into(), hit: None })
     }
 }
 

@@ -68,10 +68,10 @@ pub struct Accel {
 /// Contents of a structure.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// Triangles of similar sizes.
-    Even,
-    /// Triangles, some of them coarse.
-    Coarse,
+    /// Triangles in a plain tree.
+    Plain,
+    /// Triangles in any tree.
+    Any,
     /// Copies of shapes, too.
     Instances,
 }
@@ -90,7 +90,7 @@ impl Accel {
         let indices = binary::usable(triangles);
         let nodes = binary::build(triangles, &indices, quality);
         let tree = collapse::collapse(&nodes, triangles, coarse_size(triangles));
-        let kind = if tree.has_coarse { Kind::Coarse } else { Kind::Even };
+        let kind = if tree.is_plain { Kind::Plain } else { Kind::Any };
         Self { tree, kind, count: triangles.len() as u32, instances: None, instructions: InstructionSet::detect() }
     }
 
@@ -108,6 +108,11 @@ impl Accel {
         self.instances.as_ref().filter(|_| primitive >= self.count).map(|instances| instances.find(primitive))
     }
 
+    /// Memory that it takes, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.tree.bytes() + self.instances.as_ref().map_or(0, Instances::bytes)
+    }
+
     /// The nearest hit with 0 < t ≤ t_max.
     ///
     /// The test rounds: from an origin on a triangle its t can come out as a tiny positive number instead of zero.
@@ -115,8 +120,8 @@ impl Accel {
     #[inline(always)]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         match self.kind {
-            Kind::Even => closest(self.instructions, Triangles::<false>(&self.tree), ray),
-            Kind::Coarse => closest(self.instructions, Triangles::<true>(&self.tree), ray),
+            Kind::Plain => closest(self.instructions, Triangles::<true>(&self.tree), ray),
+            Kind::Any => closest(self.instructions, Triangles::<false>(&self.tree), ray),
             Kind::Instances => self.closest_of_all(*ray),
         }
     }
@@ -125,8 +130,8 @@ impl Accel {
     #[inline(always)]
     pub fn occluded(&self, ray: &Ray) -> bool {
         match self.kind {
-            Kind::Even => occluded(self.instructions, Triangles::<false>(&self.tree), ray),
-            Kind::Coarse => occluded(self.instructions, Triangles::<true>(&self.tree), ray),
+            Kind::Plain => occluded(self.instructions, Triangles::<true>(&self.tree), ray),
+            Kind::Any => occluded(self.instructions, Triangles::<false>(&self.tree), ray),
             Kind::Instances => self.is_any_hit(*ray),
         }
     }
@@ -134,7 +139,7 @@ impl Accel {
     /// The nearest hit among the triangles and the copies. Takes the ray by value: a reference would keep it out of registers.
     #[inline(never)]
     fn closest_of_all(&self, ray: Ray) -> Option<Hit> {
-        let own = closest(self.instructions, Triangles::<true>(&self.tree), &ray);
+        let own = closest(self.instructions, Triangles::<false>(&self.tree), &ray);
         let nearer = Ray { t_max: own.map_or(ray.t_max, |hit| hit.t), ..ray };
         let copy = self.instances.as_ref().and_then(|copies| closest(self.instructions, copies, &nearer));
         match (own, copy) {
@@ -146,7 +151,7 @@ impl Accel {
     /// Whether the triangles or the copies are hit.
     #[inline(never)]
     fn is_any_hit(&self, ray: Ray) -> bool {
-        occluded(self.instructions, Triangles::<true>(&self.tree), &ray)
+        occluded(self.instructions, Triangles::<false>(&self.tree), &ray)
             || self.instances.as_ref().is_some_and(|copies| occluded(self.instructions, copies, &ray))
     }
 }

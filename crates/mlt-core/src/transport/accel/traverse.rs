@@ -4,7 +4,7 @@
 //! for every box that the ray meets: its distance, with the lane in the last bits. The next box is the one with the least
 //! key, found without a branch; one that lies beyond a hit ends the level. It is found before the box ahead of it is visited,
 //! so that its memory can be asked for early where the tree is large. The any-hit query takes boxes as they come and stops
-//! at the first hit. Trees without coarse triangles are walked by code that knows of none.
+//! at the first hit. Plain trees, without coarse triangles and not very deep, are walked by code that knows of no others.
 //!
 //! **What is unsafe** here is to call code compiled for AVX2. Indices are checked: measured, that costs less than one per cent.
 #![allow(unsafe_code, reason = "calls of code compiled for AVX2")]
@@ -110,7 +110,7 @@ macro_rules! query {
             if ray.is_sound() {
                 structure.$walk(simd, &finite)
             } else {
-                $scaled(simd, structure, &ray)
+                $scaled(simd, structure, ray)
             }
         }
     };
@@ -119,15 +119,16 @@ macro_rules! query {
 query!(closest -> Option<Hit>, nearest, nearest_scaled, closest_portable, closest_avx2);
 query!(occluded -> bool, any, any_scaled, occluded_portable, occluded_avx2);
 
+/// By value, as what is referred to has to lie in memory.
 #[cold]
-fn nearest_scaled<S: Simd, T: Structure>(simd: S, structure: T, ray: &Segment) -> Option<Hit> {
+fn nearest_scaled<S: Simd, T: Structure>(simd: S, structure: T, ray: Segment) -> Option<Hit> {
     let (ray, unit) = ray.scaled()?;
     let hit = closest(simd.set(), structure, &ray.into())?;
     Some(Hit { t: (f64::from(hit.t) * unit) as f32, ..hit })
 }
 
 #[cold]
-fn any_scaled<S: Simd, T: Structure>(simd: S, structure: T, ray: &Segment) -> bool {
+fn any_scaled<S: Simd, T: Structure>(simd: S, structure: T, ray: Segment) -> bool {
     ray.scaled().is_some_and(|(ray, _)| occluded(simd.set(), structure, &ray.into()))
 }
 
@@ -153,11 +154,17 @@ impl<'a, K: Copy> Level<'a, K> {
     }
 }
 
-/// Shows the leaves that a ray meets to `leaves`, the nearer ones first, as far as they can hold a nearer hit.
+/// Shows the leaves that a ray meets to `leaves`, the nearer ones first, as far as they can hold a nearer hit. `LOCAL`: whether the stack
+/// needs no memory from the heap.
 #[inline(always)]
-pub(super) fn nearest_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment, leaves: &mut impl Leaves<S>) {
+pub(super) fn nearest_hit<S: Simd, const LOCAL: bool>(
+    simd: S,
+    tree: &WideTree,
+    ray: &Segment,
+    leaves: &mut impl Leaves<S>,
+) {
     let boxes = BoxTest::new(simd, ray, tree.max_coordinate);
-    let mut stack = Stack::new(tree.depth);
+    let mut stack = Stack::<_, LOCAL>::new(tree.depth);
     let mut level = Level::enter(simd, &boxes, &tree.nodes[0], ray.t_max);
     loop {
         let key = level.key;
@@ -199,11 +206,16 @@ impl WideTree {
     }
 }
 
-/// Whether one of `leaves` that a ray meets is hit.
+/// Whether one of `leaves` that a ray meets is hit; `LOCAL` as above.
 #[inline(always)]
-pub(super) fn any_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment, leaves: &impl Leaves<S>) -> bool {
+pub(super) fn any_hit<S: Simd, const LOCAL: bool>(
+    simd: S,
+    tree: &WideTree,
+    ray: &Segment,
+    leaves: &impl Leaves<S>,
+) -> bool {
     let boxes = BoxTest::new(simd, ray, tree.max_coordinate);
-    let mut stack = Stack::new(tree.depth);
+    let mut stack = Stack::<_, LOCAL>::new(tree.depth);
     let mut node = &tree.nodes[0];
     let mut left = simd.bits(boxes.test(simd, node, ray.t_max).0);
     loop {
@@ -230,33 +242,33 @@ pub(super) fn any_hit<S: Simd>(simd: S, tree: &WideTree, ray: &Segment, leaves: 
     }
 }
 
-/// A tree over triangles, some of which are coarse, or none.
+/// A tree over triangles: a plain one, or any.
 #[derive(Clone, Copy)]
-pub(super) struct Triangles<'a, const COARSE: bool>(pub &'a WideTree);
+pub(super) struct Triangles<'a, const PLAIN: bool>(pub &'a WideTree);
 
-impl<const COARSE: bool> Structure for Triangles<'_, COARSE> {
+impl<const PLAIN: bool> Structure for Triangles<'_, PLAIN> {
     #[inline(always)]
     fn nearest<S: Simd>(self, simd: S, ray: &Segment) -> Option<Hit> {
-        let mut blocks = Blocks::<S, COARSE>::new(simd, self.0, ray);
-        nearest_hit(simd, self.0, ray, &mut blocks);
+        let mut blocks = Blocks::<S, PLAIN>::new(simd, self.0, ray);
+        nearest_hit::<_, PLAIN>(simd, self.0, ray, &mut blocks);
         blocks.nearest.hit(&self.0.blocks, [ray.origin, ray.direction], ray.t_max)
     }
 
     #[inline(always)]
     fn any<S: Simd>(self, simd: S, ray: &Segment) -> bool {
-        any_hit(simd, self.0, ray, &Blocks::<S, COARSE>::new(simd, self.0, ray))
+        any_hit::<_, PLAIN>(simd, self.0, ray, &Blocks::<S, PLAIN>::new(simd, self.0, ray))
     }
 }
 
 /// Blocks of triangles, for one ray.
-struct Blocks<'a, S: Simd, const COARSE: bool> {
+struct Blocks<'a, S: Simd, const PLAIN: bool> {
     tree: &'a WideTree,
     ray: &'a Segment,
     shear: Shear<S>,
     nearest: Nearest,
 }
 
-impl<'a, S: Simd, const COARSE: bool> Blocks<'a, S, COARSE> {
+impl<'a, S: Simd, const PLAIN: bool> Blocks<'a, S, PLAIN> {
     #[inline(always)]
     fn new(simd: S, tree: &'a WideTree, ray: &'a Segment) -> Self {
         Self { tree, ray, shear: Shear::new(simd, ray.origin, ray.direction), nearest: Nearest::none(ray.t_max) }
@@ -265,14 +277,14 @@ impl<'a, S: Simd, const COARSE: bool> Blocks<'a, S, COARSE> {
     /// The hits up to `t_max` in one of a leaf's blocks.
     #[inline(always)]
     fn test(&self, simd: S, leaf: Child, block: &TriangleBlock, t_max: f32) -> Option<Test<S>> {
-        match COARSE && leaf.is_coarse() {
+        match !PLAIN && leaf.is_coarse() {
             true => self.shear.test_coarse(simd, block, *self.ray, t_max),
             false => self.shear.test(simd, block, [0.0, t_max]),
         }
     }
 }
 
-impl<S: Simd, const COARSE: bool> Leaves<S> for Blocks<'_, S, COARSE> {
+impl<S: Simd, const PLAIN: bool> Leaves<S> for Blocks<'_, S, PLAIN> {
     #[inline(always)]
     fn t(&self) -> f32 {
         self.nearest.t

@@ -233,6 +233,9 @@ fn joined_grid(light: &Light, mut size: [u32; 2], least: f64) -> [u32; 2] {
 /// Index of the interval [i/n, (i+1)/n) that x lies in, bounds rounded as the regions' are.
 #[inline]
 fn cell(x: f64, n: u32) -> u32 {
+    if n == 1 {
+        return 0;
+    }
     let bound = |i: u32| f64::from(i) / f64::from(n);
     let i = ((x * f64::from(n)) as u32).min(n - 1);
     if x < bound(i) {

@@ -125,19 +125,14 @@ impl Lights {
         let triangles = list.iter().map(|&p| (p as u32, primitives[p])).collect();
         if let Some(light) = Light::uneven(triangles, material.emission, glow) {
             self.add_numbers(&list);
-            self.lights.push(Light { both_sides: material.emits_both_sides, ..light });
+            let emission = light.emission;
+            self.lights.push(light.shining(emission, material.emits_both_sides, 1.0));
         }
     }
 
     fn push(&mut self, light: Light, material: &Material, primitives: &[usize]) {
         self.add_numbers(primitives);
-        let measure = light.measure * f64::from(material.opacity);
-        self.lights.push(Light {
-            emission: material.emission,
-            both_sides: material.emits_both_sides,
-            measure,
-            ..light
-        });
+        self.lights.push(light.shining(material.emission, material.emits_both_sides, material.opacity));
     }
 
     /// Gives the next light these triangles.

@@ -4,6 +4,7 @@ mod camera;
 mod check;
 mod copies;
 mod description;
+mod footprint;
 pub(crate) mod light;
 mod lights;
 mod material;
@@ -30,6 +31,7 @@ use way::Way;
 pub use camera::{Camera, CameraPose, CameraRay, Lens};
 pub use check::UnusableScene;
 pub use description::{Prototype, SceneDescription, SurfaceName};
+pub use footprint::Footprint;
 pub(crate) use light::Piece;
 pub use light::{Environment, Light, LightPoint, Punctual, PunctualLight};
 pub use lights::Lights;
@@ -86,7 +88,7 @@ impl Scene {
     pub const MOST_WITH_COPIES: usize = LIGHT as usize;
 
     /// Memory for each copy of a prototype at the peak of [`new`](Self::new), bytes, with that of the description: measured.
-    pub const BYTES_PER_COPY: u64 = 800;
+    pub const BYTES_PER_COPY: u64 = 600;
 
     /// Memory for each triangle at the peak of [`new`](Self::new), bytes, with that of the description: measured.
     pub const BYTES_PER_TRIANGLE: u64 = 420;
@@ -238,7 +240,7 @@ impl Scene {
         RAYS.set(RAYS.get() + 1);
         let ray = Ray::new(origin.into(), direction.into());
         let hit = self.accel.closest(&ray)?;
-        Some(self.vertex(&hit, &ray))
+        self.vertex(&hit, &ray)
     }
 
     /// Whether nothing stands between two vertices.
@@ -260,15 +262,17 @@ impl Scene {
         &self.materials[vertex.material as usize]
     }
 
+    /// The vertex of a hit; `None`: there is no such triangle.
     #[inline(always)]
-    fn vertex(&self, hit: &Hit, ray: &Ray) -> Vertex {
+    fn vertex(&self, hit: &Hit, ray: &Ray) -> Option<Vertex> {
         let Some((mut vertex, weights)) = self.triangles.vertex(&self.materials, hit, ray) else {
-            return self.vertex_of_copy(*hit, *ray);
+            let vertex = self.vertex_of_copy(*hit, *ray)?;
+            return Some(vertex);
         };
         if self.needs.normal_maps {
             vertex.shading_normal = self.bent_normal(vertex, weights);
         }
-        vertex
+        Some(vertex)
     }
 
     /// Whether another surface is seen in a vertex's place from a direction.

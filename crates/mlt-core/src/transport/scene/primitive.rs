@@ -2,7 +2,7 @@
 
 use super::material::Material;
 use crate::transport::accel::{COARSE, size};
-use crate::transport::geometry::{ERROR_FACTOR, Mesh, Space};
+use crate::transport::geometry::{ERROR_FACTOR, Mesh, Place, Space, Vertex};
 use glam::{DVec3, Vec3, Vec3A};
 
 /// [`Primitive::normals`] of a triangle whose shading normal is its own.
@@ -33,6 +33,24 @@ pub(super) struct Primitive {
 const _: () = assert!(size_of::<Primitive>() == 64);
 
 impl Primitive {
+    /// A vertex at a position on it, with its own normal to shade with; `number`: its index.
+    #[inline(always)]
+    pub(super) fn vertex(&self, number: u32, position: Vec3A) -> Vertex {
+        let normal = Vec3A::from(self.normal);
+        Vertex {
+            position,
+            geometric_normal: normal,
+            shading_normal: normal,
+            primitive: number,
+            material: self.material,
+            error: self.error,
+            delta: self.delta,
+            emits: self.emits,
+            shared: self.shared,
+            place: Place::Surface,
+        }
+    }
+
     /// Largest absolute coordinate.
     pub(super) fn reach(&self) -> f32 {
         self.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max)

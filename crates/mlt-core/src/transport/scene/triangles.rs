@@ -4,7 +4,7 @@ use super::material::Material;
 use super::primitive::{FLAT, Primitive, primitives};
 use super::ties::{Surfaces, Ties};
 use crate::transport::accel::coarse_size;
-use crate::transport::geometry::{ERROR_FACTOR, Hit, Mesh, Place, Ray, Space, Vertex};
+use crate::transport::geometry::{ERROR_FACTOR, Hit, Mesh, Ray, Space, Vertex};
 use glam::{Vec3, Vec3A};
 
 /// Triangles with all that a hit needs, in the scene's coordinates or in those of a shape.
@@ -16,6 +16,11 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
+    /// Memory that they take, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.primitives[..]) + size_of_val(&self.normals[..])
+    }
+
     /// Those of all meshes, one mesh after the other.
     pub(super) fn new(meshes: &[Mesh], materials: &[Material], space: &Space) -> Self {
         let (mut primitives, normals) = primitives(meshes, materials, space);
@@ -47,7 +52,7 @@ impl Triangles {
         {
             return Some(apart);
         }
-        Some((self.interpolated(hit), [hit.u, hit.v]))
+        Some((self.interpolated(p, hit), [hit.u, hit.v]))
     }
 
     /// The vertex of a hit on a triangle that is coarse or shares its place; `None`: that of any other hit. By value: what a call
@@ -62,7 +67,7 @@ impl Triangles {
         }
         let [u, v] =
             if primitive == hit.primitive { Some([hit.u, hit.v]) } else { p.weights(position) }.unwrap_or_default();
-        let vertex = self.interpolated(&Hit { primitive, u, v, ..hit });
+        let vertex = self.interpolated(p, &Hit { primitive, u, v, ..hit });
         if !p.coarse {
             return Some((vertex, [u, v]));
         }
@@ -77,40 +82,21 @@ impl Triangles {
         self.ties.winner(surfaces, primitive, position, towards)
     }
 
+    /// The vertex at a hit on a triangle.
     #[inline(always)]
-    fn interpolated(&self, hit: &Hit) -> Vertex {
-        let p = &self.primitives[hit.primitive as usize];
+    fn interpolated(&self, p: &Primitive, hit: &Hit) -> Vertex {
         let weights = [hit.u, hit.v];
-        let smooth = (p.normals != FLAT).then(|| mix(self.normals[p.normals as usize].map(Vec3A::from), weights));
-        self.vertex_at(hit.primitive, mix(p.vertices.map(Vec3A::from), weights), smooth)
+        let mut vertex = p.vertex(hit.primitive, mix(p.vertices.map(Vec3A::from), weights));
+        if p.normals != FLAT {
+            let smooth = mix(self.normals[p.normals as usize].map(Vec3A::from), weights);
+            vertex.shading_normal = on_side_of(vertex.geometric_normal, smooth);
+        }
+        vertex
     }
 
     /// Normals at the corners of a triangle; `None`: its own.
     pub(super) fn normals(&self, primitive: u32) -> Option<[Vec3; 3]> {
         self.normals.get(self.primitives[primitive as usize].normals as usize).copied()
-    }
-
-    /// The vertex at a position on a triangle; without a smooth normal its shading normal is the triangle's own.
-    #[inline(always)]
-    pub(super) fn vertex_at(&self, primitive: u32, position: Vec3A, smooth_normal: Option<Vec3A>) -> Vertex {
-        let p = &self.primitives[primitive as usize];
-        let normal = Vec3A::from(p.normal);
-        let shading_normal = match smooth_normal {
-            None => normal,
-            Some(smooth) => on_side_of(normal, smooth),
-        };
-        Vertex {
-            position,
-            geometric_normal: normal,
-            shading_normal,
-            primitive,
-            material: p.material,
-            error: p.error,
-            delta: p.delta,
-            emits: p.emits,
-            shared: p.shared,
-            place: Place::Surface,
-        }
     }
 }
 

@@ -75,7 +75,7 @@ fn nothing_is_seen_beyond_the_last_surface() {
 #[test]
 fn each_side_of_a_lamp_lights_its_own_side_most() {
     let world = walls().seen(EYE.as_dvec3(), DVec3::ZERO, 38.0, [16, 16]);
-    let strata = strongest_strata(world.view(), Stratification::Grid(2, 1));
+    let strata = strongest_strata(world.view(), Stratification::Grid(2, 2));
     let [left, right] = [strata[8 * 16], strata[8 * 16 + 15]];
     assert!(left.is_some() && right.is_some() && left != right, "{left:?} {right:?}");
     assert!(strongest_strata(world.view(), Stratification::None).iter().all(|&stratum| stratum == Some(0)));

@@ -50,7 +50,7 @@ pub use plan::{PartSummary, Plan, Summary};
 pub use render::Auto;
 
 /// Shares of the pilot's time at which its steps begin, about: path tracing, bidirectional path tracing, tails, chains, and more of them.
-const STEPS: [f64; 6] = [0.0, 0.3, 0.5, 0.65, 0.75, 1.0];
+const STEPS: [f64; 6] = [0.0, 0.1, 0.25, 0.5, 0.7, 1.0];
 
 /// The task that a pilot finds a plan for.
 struct Pilot<'a> {

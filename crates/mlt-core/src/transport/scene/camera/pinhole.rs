@@ -7,8 +7,8 @@ use glam::{Vec2, Vec3, Vec3A};
 /// Sees through a point, onto a plane at distance 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pinhole {
-    /// At the point.
-    pub vertex: Vertex,
+    /// Unit viewing direction.
+    forward: Vec3A,
     /// Where rays into the image start.
     origin: Vec3A,
     /// The middle of the image on the plane, from the point.
@@ -26,17 +26,17 @@ pub(super) struct Pinhole {
 }
 
 impl Pinhole {
-    /// For images of a ratio of width to height; `axes`: its unit vectors forward and up.
-    pub(super) fn new(position: Vec3, [forward, up]: [Vec3; 2], vertical_fov: f32, aspect: [f32; 2]) -> Self {
+    /// At a vertex, for images of a ratio of width to height; `up`: unit vector.
+    pub(super) fn new(vertex: &Vertex, up: Vec3, vertical_fov: f32, aspect: [f32; 2]) -> Self {
+        let forward = vertex.geometric_normal;
         let half_height = libm::tanf(0.5 * vertical_fov);
         let half_width = half_height * aspect[0] / aspect[1];
-        let right = Vec3A::from(half_width * forward.cross(up));
+        let right = half_width * forward.cross(up.into());
         let down = Vec3A::from(-half_height * up);
-        let vertex = Vertex::camera(position.into(), forward.into());
         Self {
-            vertex,
-            origin: vertex.origin(forward.into()),
-            middle: vertex.geometric_normal,
+            forward,
+            origin: vertex.origin(forward),
+            middle: forward,
             axis: Vec2::splat(0.5),
             right,
             down,
@@ -71,7 +71,7 @@ impl Pinhole {
     /// The film point that a direction passes through, and the cosine of its angle with the viewing direction.
     #[inline(always)]
     pub(super) fn project(&self, direction: Vec3A) -> (Vec2, f32) {
-        let cos = self.vertex.geometric_normal.dot(direction);
+        let cos = self.forward.dot(direction);
         (Vec2::new(direction.dot(self.across), direction.dot(self.along)) / cos + self.axis, cos)
     }
 
@@ -80,14 +80,14 @@ impl Pinhole {
     /// Source: [PharrJakobHumphreys16], section 16.1.1.
     #[inline(always)]
     pub(super) fn w_e(&self, direction: Vec3A) -> f32 {
-        let cos = self.vertex.geometric_normal.dot(direction);
+        let cos = self.forward.dot(direction);
         1.0 / (self.area * cos * cos * cos * cos)
     }
 
     /// 1/(A cos³θ), sr⁻¹.
     #[inline(always)]
     pub(super) fn pdf(&self, direction: Vec3A) -> f32 {
-        let cos = self.vertex.geometric_normal.dot(direction);
+        let cos = self.forward.dot(direction);
         1.0 / (self.area * cos * cos * cos)
     }
 }

@@ -48,6 +48,11 @@ impl Shape {
         (shapes, copies)
     }
 
+    /// Memory that its triangles take, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.triangles.bytes()
+    }
+
     /// Number of triangles.
     pub(super) fn triangles(&self) -> usize {
         self.triangles.primitives.len()
@@ -70,15 +75,14 @@ impl Scene {
         }
     }
 
-    /// The vertex of a hit on a copy. Takes both by value: a reference would keep them out of registers.
+    /// The vertex of a hit on a copy; `None`: there is no such triangle. Takes both by value: a reference would keep them out of registers.
     #[inline(never)]
-    pub(super) fn vertex_of_copy(&self, hit: Hit, ray: Ray) -> Vertex {
-        let instance = self.accel.instance(hit.primitive).expect("what is hit is a triangle of the scene");
+    pub(super) fn vertex_of_copy(&self, hit: Hit, ray: Ray) -> Option<Vertex> {
+        let instance = self.accel.instance(hit.primitive)?;
         let (first, placement) = (hit.primitive - instance.triangle, instance.placement);
         let in_shape = Hit { primitive: instance.triangle, ..hit };
         let triangles = &self.shapes[instance.shape].triangles;
-        let found = triangles.vertex(&self.materials, &in_shape, &placement.ray(&ray));
-        let (vertex, weights) = found.expect("the shape has the triangle");
+        let (vertex, weights) = triangles.vertex(&self.materials, &in_shape, &placement.ray(&ray))?;
         let corner_normals = triangles.normals(vertex.primitive);
         // No copy emits, and only of lights is it asked later what else is in their place.
         let mut vertex = Vertex { primitive: first + vertex.primitive, shared: false, ..placement.vertex(vertex) };
@@ -89,6 +93,6 @@ impl Scene {
         if self.needs.normal_maps {
             vertex.shading_normal = self.bent_normal(vertex, weights);
         }
-        vertex
+        Some(vertex)
     }
 }

@@ -4,7 +4,7 @@ use crate::engine::{Purpose, generator, uniform};
 use crate::transport::accel::{Accel, Copies};
 use crate::transport::bsdf::MetallicRoughness;
 use crate::transport::colour::Rgb;
-use crate::transport::geometry::{Hit, Mesh, Placement, Ray, Vertex, points};
+use crate::transport::geometry::{Mesh, Placement, Ray, Vertex, points};
 use crate::transport::scene::{
     Alpha, Encoding, Filter, Maps, Material, NormalMap, Pixels, Prototype, Scene, SceneDescription, Texture, Wrap,
 };

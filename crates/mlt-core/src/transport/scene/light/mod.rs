@@ -10,6 +10,7 @@ mod emission;
 mod environment;
 mod piece;
 mod punctual;
+mod triangles;
 mod uneven;
 
 use crate::transport::colour::{Rgb, luminance};
@@ -45,6 +46,7 @@ pub struct Light {
     /// 1 without extent.
     pub measure: f64,
     pub(crate) shape: Shape,
+    mean_exitance: f64,
 }
 
 /// How the unit square lies on the light.
@@ -61,16 +63,28 @@ pub(crate) enum Shape {
 }
 
 impl Light {
+    /// A light of this mean radiance, on its fronts or on both of its sides.
+    fn new(shape: Shape, measure: f64, emission: Rgb, both_sides: bool) -> Self {
+        let brightness = luminance(emission);
+        let mean_exitance = match &shape {
+            Shape::Area(_) => f64::from(brightness * PI) * if both_sides { 2.0 } else { 1.0 },
+            Shape::Environment(around) => f64::from(brightness) * around.cross_section(),
+            Shape::Point(source) => f64::from(brightness * source.solid_angle()),
+            Shape::Direction(rays) => f64::from(brightness) * rays.cross_section(),
+        };
+        Self { emission, both_sides, measure, shape, mean_exitance }
+    }
+
+    /// The same light with another mean radiance, on its fronts or on both of its sides, where only a share of it is there.
+    pub(super) fn shining(self, emission: Rgb, both_sides: bool, opacity: f32) -> Self {
+        Self::new(self.shape, self.measure * f64::from(opacity), emission, both_sides)
+    }
+
     /// Mean of M, the power that is emitted per measure, luminance: π L of a surface, twice that for both sides; π R² L of
     /// an environment, R being the radius of a sphere around the scene; ∫ I dω of a point, π R² E of a direction.
     #[inline]
     pub fn mean_exitance(&self) -> f64 {
-        match &self.shape {
-            Shape::Area(_) => f64::from(luminance(self.emission) * PI) * if self.both_sides { 2.0 } else { 1.0 },
-            Shape::Environment(around) => f64::from(luminance(self.emission)) * around.cross_section(),
-            Shape::Point(source) => f64::from(luminance(self.emission) * source.solid_angle()),
-            Shape::Direction(rays) => f64::from(luminance(self.emission)) * rays.cross_section(),
-        }
+        self.mean_exitance
     }
 
     /// π times the largest intensity that it sends anywhere: of a surface its power.
@@ -84,15 +98,6 @@ impl Light {
     /// Whether it is more than one place.
     pub(crate) fn has_extent(&self) -> bool {
         !matches!(self.shape, Shape::Point(_) | Shape::Direction(_))
-    }
-
-    /// M over its mean where the light emits the radiance `emitted`, which is not zero, unless it is uneven.
-    #[inline]
-    fn relative_exitance(&self, emitted: Rgb) -> f64 {
-        match &self.shape {
-            Shape::Area(_) | Shape::Point(_) | Shape::Direction(_) => 1.0,
-            Shape::Environment(_) => f64::from(luminance(emitted)) / f64::from(luminance(self.emission)),
-        }
     }
 
     /// Φ, ∫ M over the light.

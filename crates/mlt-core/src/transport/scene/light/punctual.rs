@@ -86,7 +86,7 @@ impl PunctualLight {
             }
             Punctual::Directional { along } => (Shape::Direction(Rays { towards: (-along).into(), sphere }), 1.0),
         };
-        Light { emission: scale * self.emission, both_sides: false, measure: 1.0, shape }
+        Light::new(shape, 1.0, scale * self.emission, false)
     }
 }
 

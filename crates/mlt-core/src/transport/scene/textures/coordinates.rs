@@ -44,6 +44,15 @@ impl Attributes {
         all
     }
 
+    /// Memory that they take, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let of_mesh = |mesh: &MeshAttributes| {
+            let uv: usize = mesh.uv.iter().map(|set| size_of_val(&set[..])).sum();
+            uv + size_of_val(&mesh.triangles[..]) + size_of_val(&mesh.colours[..]) + size_of_val(&mesh.tangents[..])
+        };
+        size_of_val(&self.mesh_of[..]) + self.meshes.iter().map(of_mesh).sum::<usize>()
+    }
+
     /// On a mesh that is not taken yet, at barycentric weights of a triangle's second and third vertex.
     pub(crate) fn on(mesh: &Mesh, corners: [u32; 3], weights: [f32; 2]) -> Coordinates {
         coordinates(&mesh.uv, &mesh.colours, corners, weights)
