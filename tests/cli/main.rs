@@ -9,6 +9,8 @@ mod frames;
 mod inspect;
 #[cfg(unix)]
 mod interrupt;
+mod kills;
+mod many_parts;
 mod progress;
 mod render;
 mod resume;

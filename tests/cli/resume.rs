@@ -69,7 +69,7 @@ pub(crate) fn same(folder: &TempDir, a: &str, b: &str) -> bool {
 }
 
 /// Methods with and without a pilot; 200 rounds of a sample each, so that there is time to end them.
-const METHODS: [&str; 6] = [
+pub(crate) const METHODS: [&str; 6] = [
     "--method pt --samples-per-pixel 200",
     "--method bdpt --samples-per-pixel 200",
     "--method auto --samples-per-pixel 200",
@@ -77,7 +77,7 @@ const METHODS: [&str; 6] = [
     "--method pssmlt --mutations-per-pixel 200",
     "--method mmlt --mutations-per-pixel 200",
 ];
-const SCENE: &str = "render cornell --size 16x16 --threads 1 --quiet";
+pub(crate) const SCENE: &str = "render cornell --size 16x16 --threads 1 --quiet";
 
 #[test]
 fn a_render_that_is_killed_goes_on_to_the_same_bits() {
@@ -281,7 +281,7 @@ fn a_file_tells_what_it_holds() {
     let part = facts("a.mltp");
     assert_eq!((&part["rounds"], &part["rounds_of_render"]), (&"4 to 7".into(), &"0 to 15".into()));
     assert_eq!((&part["image"], &part["key.seed"]), (&"16x16".into(), &"0".into()));
-    made(&folder, &format!("{SCENE} --method mlt --mutations-per-pixel 8 --shard 2/4 -o b.mltp --threads 2"));
+    made(&folder, &format!("{SCENE} --method mlt --mutations-per-pixel 8 --shard 2/4 -o b.mltp"));
     made(&folder, &format!("{SCENE} --method mlt --mutations-per-pixel 8 --shard 3/4 -o c.mltp"));
     assert_eq!(part["checksum"], facts("b.mltp")["checksum"]);
     assert_ne!(part["checksum"], facts("c.mltp")["checksum"]);

@@ -19,7 +19,7 @@ use crate::{Failure, require_memory};
 /// The first bytes of every file.
 pub const MAGIC: [u8; 8] = *b"mlt-kept";
 /// Version of the format.
-const VERSION: u32 = 2;
+pub const VERSION: u32 = 2;
 /// Bytes of the sums that are packed together.
 const BLOCK: usize = 4 << 20;
 /// LZ4 packs no better than this.

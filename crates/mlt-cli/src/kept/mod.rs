@@ -12,7 +12,7 @@ use anyhow::{Context, anyhow};
 use mlt_core::{engine::MergeError, transport::render::Sums};
 use serde::{Deserialize, Serialize};
 
-pub use file::{MAGIC, encode, read};
+pub use file::{MAGIC, VERSION, encode, read};
 
 use crate::{Failure, provenance::Provenance};
 

@@ -11,7 +11,7 @@ use crate::{Failure, atomic};
 /// The first bytes of every such file.
 pub const MAGIC: [u8; 8] = *b"mlt-pilo";
 /// Version of the format.
-const VERSION: u32 = 1;
+pub const VERSION: u32 = 1;
 
 /// What a pilot found.
 #[derive(Debug)]

@@ -1,0 +1,44 @@
+//! What the fuzz targets share: a folder for the files of one scene, and the laws that every scene keeps.
+
+use mlt_core::memory::Memory;
+use mlt_core::transport::scene::{Scene, SceneDescription};
+use mlt_scene::{LoadOptions, SceneError};
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// Memory that a scene may take, bytes.
+const MEMORY: u64 = 256 << 20;
+
+/// A folder in memory, if the system has one.
+pub fn folder() -> TempDir {
+    let shared = Path::new("/dev/shm");
+    let folder = if shared.is_dir() { tempfile::tempdir_in(shared) } else { tempfile::tempdir() };
+    folder.expect("a folder")
+}
+
+/// Writes a file of a scene.
+pub fn put(folder: &TempDir, name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).expect("written");
+    path
+}
+
+/// Opens a scene, checks it, and builds what is rendered.
+pub fn open(path: &Path, options: &LoadOptions) -> Result<(), SceneError> {
+    let memory = Memory::of(MEMORY);
+    let loaded = mlt_scene::open_within(path, options, &memory)?;
+    check(&loaded.description);
+    let _ = Scene::new(loaded.description);
+    Ok(())
+}
+
+/// What a scene's description promises, whatever the file was.
+fn check(scene: &SceneDescription) {
+    for mesh in &scene.meshes {
+        assert!((mesh.material as usize) < scene.materials.len());
+        assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < mesh.positions.len()));
+        assert!(mesh.positions.iter().all(|p| p.is_finite()));
+    }
+    assert!(scene.materials.iter().all(|m| m.emission.is_finite() && m.emission.min_element() >= 0.0));
+}
