@@ -1,6 +1,5 @@
 //! `mlt inspect`: what a scene holds, and what a render would make of it.
 
-mod features;
 mod lights;
 mod text;
 
@@ -15,8 +14,8 @@ use crate::{
     print,
     provenance::CameraUsed,
     render::{Setup, bytes_of_image},
+    report::features::{Feature, features},
 };
-use features::{Feature, features};
 use lights::LightCounts;
 
 /// What a scene holds; [`Display`](std::fmt::Display) is the same for reading.

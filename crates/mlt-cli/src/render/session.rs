@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use mlt_core::engine::{Ending, Outcome, Watch};
+use mlt_core::engine::{Ending, Outcome, Standing, Watch};
 use mlt_core::transport::LUMINANCE;
 use mlt_core::transport::render::{Renderer, Sums, film_of};
 use mlt_core::transport::scene::View;
@@ -106,7 +106,7 @@ pub(super) fn run(
         progress.update(&at, session.rate(at.rounds));
         previews.offer(sums.film());
         if at.rounds.fract() == 0.0 {
-            debug!("{} rounds, relative error {:?}, {:.1?} left", at.rounds, at.error, at.left);
+            debug!("{}", words(&at));
             checkpoint.offer(|| session.about(), sums);
             session.write_if(interrupt.files_are_wanted(), sums);
         }
@@ -132,6 +132,13 @@ pub(super) fn run(
 fn decision(renderer: &Renderer) -> String {
     let text = renderer.decision().map_or_else(String::new, |decision| Decision::from(decision).to_string());
     if text.is_empty() { text } else { format!(": {}", text.split_whitespace().collect::<Vec<_>>().join(" ")) }
+}
+
+/// How far a render is.
+fn words(at: &Standing) -> String {
+    let error = at.error.map_or_else(|| "unknown".into(), |error| format!("{:.2} %", 100.0 * error));
+    let left = at.left.map_or_else(|| "unknown".into(), |left| format!("{:.1} s", left.as_secs_f64()));
+    format!("{} rounds, relative error {error}, time left {left}", at.rounds)
 }
 
 fn ending_words(outcome: Outcome, interrupt: &Interrupt) -> &'static str {

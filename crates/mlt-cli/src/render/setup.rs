@@ -16,6 +16,7 @@ use crate::{
     args::{crop::Window, render::RenderOptions, values::Size},
     memory,
     provenance::{CameraUsed, Provenance},
+    report::features,
     take_memory, warn_all,
 };
 
@@ -80,7 +81,7 @@ impl Setup {
         let Seen { scene, camera, size, pose, used } = seen(options, loaded, (&memory, geometry), &mut warnings)?;
         let (triangles, lights) = (scene.triangles(), scene.lights().lights.len());
         info!("{triangles} triangles and {lights} lights are set up in {:.3} s", start.elapsed().as_secs_f64());
-        info!("camera {used}; {:?}", scene.needs());
+        info!("camera {used}; the scene has {}", features::names(&features::features(scene.needs(), &pose.lens)));
         let provenance = Provenance { scene: options.scene.display().to_string(), camera: used, warnings };
         Ok(Self { provenance, digest, scene, camera, size, pose, outline, memory })
     }

@@ -1,6 +1,7 @@
 //! Report of a render.
 
 mod decision;
+pub mod features;
 mod trust;
 
 use std::{collections::BTreeMap, fmt};

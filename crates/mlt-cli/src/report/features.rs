@@ -15,7 +15,7 @@ pub struct Feature {
 }
 
 /// All features, in the order of [`Needs`].
-pub(super) fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
+pub fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
     // A need without a line here does not compile.
     let Needs { specular, veils, environment, absorbs, punctual, textured, normal_maps } = needs;
     let feature = |name, present, [has, lacks]: [&'static str; 2]| Feature {
@@ -64,4 +64,25 @@ pub(super) fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
             ["paths draw a point on the lens", "no number is drawn for the lens"],
         ),
     ]
+}
+
+/// The names of those that a scene has.
+pub fn names(features: &[Feature]) -> String {
+    let present: Vec<_> = features.iter().filter(|feature| feature.present).map(|feature| feature.name).collect();
+    if present.is_empty() { "nothing but opaque surfaces".into() } else { present.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn features_that_are_there_are_named() {
+        let pinhole = Lens::Pinhole { vertical_fov: 1.0 };
+        assert_eq!(names(&features(Needs::default(), &pinhole)), "nothing but opaque surfaces");
+        let lens = Lens::Thin { vertical_fov: 1.0, radius: 0.1, focus: 1.0 };
+        let found = features(Needs { textured: true, ..Needs::default() }, &lens);
+        assert_eq!(names(&found), "textures, depth of field");
+        assert!(found.iter().all(|feature| !feature.therefore.is_empty()));
+    }
 }
