@@ -39,7 +39,7 @@ impl Light {
     }
 
     fn surface(area: f64, shape: Area) -> Self {
-        Self { emission: Rgb::ZERO, both_sides: false, measure: area, shape: Shape::Area(shape) }
+        Self::new(Rgb::ZERO, area, Shape::Area(shape))
     }
 }
 
