@@ -25,6 +25,7 @@ mod obj_file;
 mod options;
 mod range;
 mod source;
+mod tangents;
 mod text;
 mod winding;
 

@@ -3,7 +3,7 @@
 use super::{
     graph::place,
     instance,
-    texture::{CLEARCOAT, GLOSSINESS, SHEEN},
+    texture::{ANISOTROPY, CLEARCOAT, GLOSSINESS, SHEEN},
 };
 use crate::text::shown;
 use gltf::{Document, Material, Node};
@@ -14,6 +14,7 @@ const KNOWN: &[&str] = &[
     "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -73,18 +74,12 @@ pub(super) fn in_node(node: &Node) -> Option<String> {
 pub(super) fn in_material(material: &Material) -> Option<String> {
     let specular = material.specular();
     let glossy = |s: &gltf::material::Specular| s.specular_factor() != 1.0 || s.specular_color_factor() != [1.0; 3];
-    let has = |extension, name| material.extension_value(extension).is_some_and(|value| value.get(name).is_some());
-    let features = [
-        (has(CLEARCOAT, "clearcoatNormalTexture"), "clearcoatNormalTexture"),
-        (
-            transmits(material) && specular.as_ref().is_some_and(glossy),
-            "KHR_materials_specular of what transmits light",
-        ),
-    ];
-    let features = features.iter().filter(|f| f.0).map(|f| f.1.to_owned());
+    let unheard = transmits(material) && specular.as_ref().is_some_and(glossy);
+    let features = unheard.then(|| "KHR_materials_specular of what transmits light".to_owned()).into_iter();
     let names = material.extensions().into_iter().flat_map(|map| map.keys());
-    let extensions =
-        names.filter(|name| ![UNLIT, CLEARCOAT, GLOSSINESS, SHEEN].contains(&name.as_str())).map(|name| shown(name));
+    let extensions = names
+        .filter(|name| ![UNLIT, ANISOTROPY, CLEARCOAT, GLOSSINESS, SHEEN].contains(&name.as_str()))
+        .map(|name| shown(name));
     sentence(&place_of(material), features.chain(extensions).collect())
 }
 

@@ -74,7 +74,7 @@ impl Material {
     /// The same with parameters of these factors, which vary as textures and vertices say.
     #[must_use]
     pub fn scattering(self, factors: MetallicRoughness, maps: Maps, alpha: Alpha) -> Self {
-        if maps.is_empty() {
+        if maps.is_empty() && !factors.is_brushed() {
             return Self { bsdf: factors.bsdf(), ..self };
         }
         let textured = Textured::new(factors, maps, alpha);

@@ -284,6 +284,16 @@ impl Scene {
         vertex
     }
 
+    /// The interpolated normal at barycentric weights of a triangle, which no map has bent.
+    fn smooth_normal(&self, primitive: u32, [u, v]: [f32; 2]) -> Vec3A {
+        let p = &self.primitives[primitive as usize];
+        let smooth = (p.normals != FLAT).then(|| {
+            let [a, b, c] = self.normals[p.normals as usize].map(Vec3A::from);
+            (1.0 - u - v) * a + u * b + v * c
+        });
+        self.vertex_at(primitive, Vec3A::ZERO, smooth).shading_normal
+    }
+
     #[inline(always)]
     fn vertex_at(&self, primitive: u32, position: Vec3A, smooth_normal: Option<Vec3A>) -> Vertex {
         let p = &self.primitives[primitive as usize];

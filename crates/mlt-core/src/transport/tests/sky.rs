@@ -1,7 +1,7 @@
 //! Light from afar, environments and suns: its distribution, and closed forms.
 
 use super::worlds::{
-    Builder, World, ball, cloudy, glass, glossy, lambert, lamps_and_sky, mirror, outdoors, quad, suns,
+    Builder, World, ball, beams, brushed, cloudy, glass, glossy, lambert, lamps_and_sky, mirror, outdoors, quad, suns,
 };
 use crate::check::{self, Trials};
 use crate::engine::{Generator, Purpose, generator, uniform, uniform_f32};
@@ -314,6 +314,8 @@ fn methods_agree_under_a_sky() {
         ("gloss", outdoors(glossy())),
         ("lamps", lamps_and_sky()),
         ("suns", suns(glossy())),
+        ("beams", beams()),
+        ("brushed", brushed()),
     ] {
         let found: Vec<_> = METHODS
             .into_iter()

@@ -1,6 +1,6 @@
 //! Small scenes for tests.
 
-use crate::transport::bsdf::{Bsdf, Lambert, MetallicRoughness};
+use crate::transport::bsdf::{Anisotropy, Bsdf, Lambert, MetallicRoughness};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
 use crate::transport::scene::{
@@ -380,11 +380,6 @@ pub(crate) fn textured() -> World {
     let bumps = Maps { normal: Some(NormalMap { map: map(2), scale: 0.7 }), ..Maps::default() };
     let glow = Maps { emission: Some(map(0)), ..Maps::default() };
     let lamp = Material { emission: Rgb::splat(6.0), ..varying(plain.clone(), glow, Alpha::Opaque) };
-    let round = |centre, radius| {
-        let ball = ball(centre, radius, true);
-        let uv = ball.normals.iter().map(|n| Vec2::new(n.x + n.z, n.y)).collect();
-        Mesh { uv: [uv, Vec::new()], ..ball }
-    };
     let builder = walls()
         .mesh(
             textured_quad([v(-1., -1., 0.5), v(1., -1., 0.5), v(1., 1., 0.5), v(-1., 1., 0.5)]),
@@ -394,6 +389,34 @@ pub(crate) fn textured() -> World {
         .mesh(round(v(0.45, -0.5, 0.0), 0.4), varying(plain, bumps, Alpha::Opaque))
         .mesh(textured_quad([v(-0.9, -0.2, -0.8), v(-0.3, -0.2, -0.9), v(-0.3, 0.6, -0.9), v(-0.9, 0.6, -0.8)]), lamp);
     see(builder.with_textures(vec![texture(4, Encoding::Srgb), texture(3, Encoding::Linear), normal_map()]))
+}
+
+/// A smooth ball with texture coordinates.
+fn round(centre: DVec3, radius: f64) -> Mesh {
+    let ball = ball(centre, radius, true);
+    let uv = ball.normals.iter().map(|n| Vec2::new(n.x + n.z, n.y)).collect();
+    Mesh { uv: [uv, Vec::new()], ..ball }
+}
+
+/// The box with a ball of brushed metal whose streaks a texture turns, one of brushed plastic, and a bumpy coat over a smooth base.
+pub(crate) fn brushed() -> World {
+    let v = DVec3::new;
+    let parameters = |metallic, roughness, strength| MetallicRoughness {
+        base_color: Rgb::new(0.9, 0.7, 0.5),
+        metallic,
+        roughness,
+        anisotropy: Anisotropy { strength, rotation: 0.5, ..Anisotropy::default() },
+        ..MetallicRoughness::default()
+    };
+    let turning = Maps { anisotropy: Some(map(0)), ..Maps::default() };
+    let bumps = Maps { clearcoat_normal: Some(NormalMap { map: map(1), scale: 0.5 }), ..Maps::default() };
+    let coated =
+        MetallicRoughness { clearcoat: 1.0, clearcoat_roughness: 0.5, metallic: 0.0, ..MetallicRoughness::default() };
+    see(walls()
+        .mesh(round(v(-0.4, -0.5, 0.2), 0.4), varying(parameters(1.0, 0.5, 0.8), turning, Alpha::Opaque))
+        .mesh(round(v(0.45, -0.5, 0.0), 0.4), varying(parameters(0.0, 0.4, 0.9), Maps::default(), Alpha::Opaque))
+        .mesh(round(v(0.0, 0.2, -0.3), 0.4), varying(coated, bumps, Alpha::Opaque))
+        .with_textures(vec![texture(3, Encoding::Linear), normal_map()]))
 }
 
 /// The box with a ball of glass that absorbs, and one of velvet under a coat.
@@ -449,6 +472,7 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("thin lens", blurred()),
         ("orthographic camera", parallel()),
         ("textured", textured()),
+        ("brushed", brushed()),
         ("layers and absorbing glass", layers()),
     ]
 }

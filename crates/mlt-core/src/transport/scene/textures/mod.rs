@@ -5,6 +5,7 @@ mod texture;
 mod textured;
 
 use super::Scene;
+use crate::transport::bsdf::Bsdf;
 use crate::transport::geometry::Vertex;
 pub(super) use coordinates::{Attributes, Coordinates, TriangleFrame};
 use glam::Vec3A;
@@ -23,16 +24,40 @@ impl Scene {
     /// value: a reference would keep it out of registers.
     #[inline(never)]
     pub(super) fn bent_normal(&self, vertex: Vertex, weights: [f32; 2]) -> Vec3A {
-        let Some(map) = self.material(&vertex).textured.as_ref().and_then(|textured| textured.maps.normal) else {
-            return vertex.shading_normal;
-        };
-        let [a, b, c] = self.primitives[vertex.primitive as usize].vertices.map(Vec3A::from);
-        let frame = TriangleFrame { edges: [b - a, c - a], normal: vertex.shading_normal };
-        let set = usize::from(map.map.set);
-        let Some(tangents) = self.attributes.tangents(vertex.primitive, weights, set, frame) else {
+        let map = self.material(&vertex).textured.as_ref().and_then(|textured| textured.maps.normal);
+        map.map_or(vertex.shading_normal, |map| self.mapped_normal(&map, &vertex, weights))
+    }
+
+    /// The BSDF of a textured surface at a vertex.
+    pub(super) fn textured_bsdf(&self, textured: &Textured, vertex: &Vertex) -> Bsdf {
+        let weights = self.primitives[vertex.primitive as usize].nearest_weights(vertex.position);
+        let place = self.attributes.at(vertex.primitive, weights);
+        let tangents = textured.brushed_along().and_then(|set| {
+            let ([along, across], normal) = (self.tangents(vertex, weights, set)?, vertex.shading_normal);
+            let along = (along - normal * normal.dot(along)).try_normalize()?;
+            let aside = normal.cross(along);
+            Some([along, aside * 1f32.copysign(aside.dot(across))])
+        });
+        let coat_normal = textured.coat_normal().map(|map| {
+            let smooth = Vertex { shading_normal: self.smooth_normal(vertex.primitive, weights), ..*vertex };
+            map.map_or(smooth.shading_normal, |map| self.mapped_normal(&map, &smooth, weights))
+        });
+        textured.bsdf(&self.textures, &place, tangents, coat_normal)
+    }
+
+    /// The shading normal that a normal map makes of that of a vertex.
+    fn mapped_normal(&self, map: &NormalMap, vertex: &Vertex, weights: [f32; 2]) -> Vec3A {
+        let Some(tangents) = self.tangents(vertex, weights, usize::from(map.map.set)) else {
             return vertex.shading_normal;
         };
         let place = self.attributes.at(vertex.primitive, weights);
         map.normal(&self.textures, &place, tangents, [vertex.shading_normal, vertex.geometric_normal])
+    }
+
+    /// Tangent and bitangent at barycentric weights of a vertex's triangle, of any length, from a set of texture coordinates.
+    fn tangents(&self, vertex: &Vertex, weights: [f32; 2], set: usize) -> Option<[Vec3A; 2]> {
+        let [a, b, c] = self.primitives[vertex.primitive as usize].vertices.map(Vec3A::from);
+        let frame = TriangleFrame { edges: [b - a, c - a], normal: vertex.shading_normal };
+        self.attributes.tangents(vertex.primitive, weights, set, frame)
     }
 }
