@@ -295,7 +295,7 @@ def sheen():
     return world((0.3, 0.3, 0.3))
 
 
-@scene(GLOSSY, lacks="anisotropy")
+@scene(GLOSSY)
 def brushed_metal():
     floor(), camera(), panel()
     ball(material("brushed", Base_Color=(0.8, 0.8, 0.8), Metallic=1.0, Roughness=0.4, Anisotropic=0.7))

@@ -8,6 +8,7 @@ mod buffer;
 mod camera;
 mod glb;
 mod graph;
+mod image_light;
 mod instance;
 mod light;
 mod material;
@@ -56,6 +57,8 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     let surfaces = surfaces(&files, &mut reader, &nodes, (&pose, &worlds), &mut warnings)?;
     let mut description = SceneDescription { cameras, ..surfaces };
     light::add(lights, source, &mut description)?;
+    let scene = graph.chosen(source, options.scene.as_deref())?;
+    description.environment = image_light::environment(&files, scene.as_ref(), &mut warnings)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Loaded { name, description, warnings, digest: source.digest(), neutral_sky: false })
 }

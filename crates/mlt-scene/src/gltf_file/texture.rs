@@ -219,8 +219,15 @@ impl<'a> Files<'a> {
 
     /// The name of a texture's image, for messages and to tell images apart.
     pub(super) fn name(&self, texture: usize) -> String {
-        let Ok(image) = self.image(texture) else { return format!("of textures[{texture}]") };
-        let json = &self.parsed.document.as_json().images[image];
+        match self.image(texture) {
+            Ok(image) => self.name_of_image(image),
+            Err(_) => format!("of textures[{texture}]"),
+        }
+    }
+
+    /// The name of an image.
+    pub(super) fn name_of_image(&self, image: usize) -> String {
+        let Some(json) = self.parsed.document.as_json().images.get(image) else { return format!("images[{image}]") };
         match (&json.uri, &json.name) {
             (Some(uri), _) if !uri.starts_with("data:") => format!("`{uri}`"),
             (_, Some(name)) if !name.is_empty() => format!("images[{image}] `{name}`"),
@@ -230,8 +237,12 @@ impl<'a> Files<'a> {
 
     /// The content of a texture's image, or why there is none.
     pub(super) fn content(&self, texture: usize) -> Result<Cow<'a, [u8]>, String> {
-        let image = self.image(texture)?;
-        let json = &self.parsed.document.as_json().images[image];
+        self.content_of_image(self.image(texture)?)
+    }
+
+    /// The content of an image, or why there is none.
+    pub(super) fn content_of_image(&self, image: usize) -> Result<Cow<'a, [u8]>, String> {
+        let json = self.parsed.document.as_json().images.get(image).ok_or("the image does not exist")?;
         let found = match (&json.uri, json.buffer_view) {
             (Some(uri), _) => self.buffers.read_uri(&format!("images[{image}]"), uri).map(Cow::Owned),
             (None, Some(view)) => self.buffers.view_at(view.value()).map(Cow::Borrowed),

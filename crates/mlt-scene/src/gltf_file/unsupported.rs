@@ -31,6 +31,7 @@ const KNOWN: &[&str] = &[
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
+    "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_avif",
@@ -53,7 +54,10 @@ pub(super) fn in_document(document: &Document, animated: bool) -> Vec<String> {
     let mut warnings: Vec<_> = document
         .extensions_used()
         .filter(|name| !KNOWN.contains(name) && !named_elsewhere.contains(*name))
-        .map(|name| format!("the extension {} is not supported; what it says is left out", shown(name)))
+        .map(|name| {
+            let remedy = if is_environment(name) { "; --environment FILE gives the scene its image" } else { "" };
+            format!("the extension {} is not supported; what it says is left out{remedy}", shown(name))
+        })
         .collect();
     match (document.animations().len() > 0, animated) {
         (true, false) => warnings
@@ -62,6 +66,11 @@ pub(super) fn in_document(document: &Document, animated: bool) -> Vec<String> {
         _ => {}
     }
     warnings
+}
+
+/// Whether an extension that is not read is about light from all around.
+fn is_environment(name: &str) -> bool {
+    ["KHR_environment_map", "KHR_lights_environment", "UX3D_lights_imageBased"].contains(&name)
 }
 
 /// Of one node.
