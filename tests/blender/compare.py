@@ -90,4 +90,5 @@ def main():
     sys.exit(int(right != len(cases) - lacking))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -49,4 +49,5 @@ def main():
     render(folder / f"{name}.cycles.exr", case.samples)
 
 
-main()
+if __name__ == "__main__":
+    main()

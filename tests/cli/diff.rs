@@ -88,7 +88,7 @@ fn png_and_exr_of_one_image_agree_up_to_rounding() {
     let values = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0];
     let folder = folder_with(&[("a", values)]);
     let image = Image::new(4, 2, values.map(|value| [value; 3]).to_vec()).expect("eight pixels");
-    write(folder.path().join("a.png"), &png::encode(&image, 0.0).expect("encoded"));
+    write(folder.path().join("a.png"), &png::encode(&image, 0.0, &[]).expect("encoded"));
     let found = &json(&mlt(folder.path(), &["diff", "a.exr", "a.png", "--json"]))[0];
     assert!(found["rel_mse"].as_f64().expect("a number") < 1e-4, "{found}");
     assert!((found["mean_ratio"].as_f64().expect("a number") - 1.0).abs() < 5e-3, "{found}");
@@ -126,7 +126,7 @@ fn files_that_cannot_be_read_are_named() {
     fs::create_dir(folder.path().join("folder.exr")).expect("created");
     assert!(refused(&folder, "none.exr").contains("No such file"));
     assert!(refused(&folder, "cut.exr").contains("cannot be read as OpenEXR"));
-    assert!(refused(&folder, "text.png").contains("neither an OpenEXR nor a PNG file"));
+    assert!(refused(&folder, "text.png").contains("neither an OpenEXR nor a Radiance HDR, PNG or JPEG file"));
     refused(&folder, "empty.exr");
     refused(&folder, "folder.exr");
 }

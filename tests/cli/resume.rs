@@ -14,28 +14,28 @@ use mlt_cli::{
 };
 use tempfile::TempDir;
 
-fn folder() -> TempDir {
+pub(crate) fn folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-fn command(folder: &Path, line: &str) -> Command {
+pub(crate) fn command(folder: &Path, line: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_mlt"));
     command.current_dir(folder).args(line.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::piped());
     command
 }
 
-fn run(folder: &TempDir, line: &str) -> Output {
+pub(crate) fn run(folder: &TempDir, line: &str) -> Output {
     command(folder.path(), line).output().expect("mlt starts")
 }
 
 /// Runs to success.
-fn made(folder: &TempDir, line: &str) {
+pub(crate) fn made(folder: &TempDir, line: &str) {
     let output = run(folder, line);
     assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// Runs to exit code 2 and one sentence, after the warnings, which is returned.
-fn refused(folder: &TempDir, line: &str) -> String {
+pub(crate) fn refused(folder: &TempDir, line: &str) -> String {
     let output = run(folder, line);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{line}: {message}");
@@ -55,7 +55,7 @@ fn under_way(folder: &TempDir, line: &str) -> Child {
     child
 }
 
-fn held(folder: &TempDir, name: &str) -> Kept {
+pub(crate) fn held(folder: &TempDir, name: &str) -> Kept {
     kept::read(&folder.path().join(name)).expect("sound")
 }
 
@@ -63,7 +63,7 @@ fn image(folder: &TempDir, name: &str) -> ExrFile {
     exr::read(&folder.path().join(name)).expect("an EXR")
 }
 
-fn same(folder: &TempDir, a: &str, b: &str) -> bool {
+pub(crate) fn same(folder: &TempDir, a: &str, b: &str) -> bool {
     let [a, b] = [a, b].map(|name| image(folder, name));
     a.image.same_bits(&b.image) && a.stderr == b.stderr
 }
@@ -173,6 +173,33 @@ fn parts_make_the_bits_of_one_machine_in_any_order() {
 }
 
 #[test]
+fn parts_share_one_pilot_by_a_file() {
+    for method in &METHODS[2..] {
+        let (folder, line) = (folder(), format!("{SCENE} {method} --rounds 10"));
+        made(&folder, &format!("{line} -o whole.exr -o whole.mltp"));
+        (1..=3).for_each(|i| made(&folder, &format!("{line} --shard {i}/3 --pilot a.pilot -o {i}.mltp")));
+        made(&folder, "merge 2.mltp 3.mltp 1.mltp -o merged.exr -o merged.mltp -q");
+        assert!(same(&folder, "whole.exr", "merged.exr"), "{method}");
+        let pilots = ["whole.mltp", "1.mltp", "3.mltp", "merged.mltp"].map(|name| held(&folder, name).pilot);
+        assert!(pilots[0].is_some() && pilots.iter().all(|pilot| *pilot == pilots[0]), "{method}");
+        // It is read: another render's is refused, and so is every byte that is damaged.
+        let message = refused(&folder, &format!("{line} --seed 1 --pilot a.pilot -o x.exr"));
+        assert!(message.contains("a.pilot: seed is 0 in it and 1 here"), "{message}");
+        let bytes = fs::read(folder.path().join("a.pilot")).expect("read");
+        for at in (0..bytes.len()).step_by(bytes.len() / 4) {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 1;
+            fs::write(folder.path().join("b.pilot"), &damaged).expect("written");
+            let message = refused(&folder, &format!("{line} --pilot b.pilot -o x.exr"));
+            assert!(message.contains("b.pilot: cannot be read as what 'mlt render --pilot' has written"), "{message}");
+        }
+    }
+    let folder = folder();
+    made(&folder, &format!("{SCENE} {} --pilot none.pilot -o a.exr", METHODS[0]));
+    assert!(!folder.path().join("none.pilot").exists(), "path tracing has no pilot");
+}
+
+#[test]
 fn parts_that_do_not_make_one_render_are_refused_by_name() {
     let folder = folder();
     let part = |name: &str, options: &str| {
@@ -254,8 +281,14 @@ fn a_file_tells_what_it_holds() {
     let part = facts("a.mltp");
     assert_eq!((&part["rounds"], &part["rounds_of_render"]), (&"4 to 7".into(), &"0 to 15".into()));
     assert_eq!((&part["image"], &part["key.seed"]), (&"16x16".into(), &"0".into()));
+    made(&folder, &format!("{SCENE} --method mlt --mutations-per-pixel 8 --shard 2/4 -o b.mltp --threads 2"));
+    made(&folder, &format!("{SCENE} --method mlt --mutations-per-pixel 8 --shard 3/4 -o c.mltp"));
+    assert_eq!(part["checksum"], facts("b.mltp")["checksum"]);
+    assert_ne!(part["checksum"], facts("c.mltp")["checksum"]);
+    made(&folder, &format!("{SCENE} --method mlt --mutations-per-pixel 8 --pilot a.pilot -o d.png"));
+    assert_eq!(facts("a.pilot")["key.seed"], "0");
     assert_eq!((&facts("a.exr")["first_round"], &facts("a.exr")["method"]), (&"4".into(), &"mlt".into()));
-    assert!(refused(&folder, "info a.png").contains("says nothing"));
+    assert_eq!(facts("a.png")["command"], facts("a.exr")["command"]);
     assert!(refused(&folder, "info none.exr").contains("none.exr: No such file"));
     assert!(!run(&folder, "diff a.exr a.mltp").status.success());
 }

@@ -38,6 +38,8 @@ fn what_cannot_be_judged_gives_one() {
     let (message, text) = (stderr(&output), String::from_utf8_lossy(&output.stdout).into_owned());
     assert!(message.starts_with("error: cornell: bdpt cannot be ") && message.lines().count() == 1, "{message}");
     assert!(text.contains("against pt") && text.contains("95 % error bars"), "{text}");
+    let last = text.lines().last().unwrap_or_default();
+    assert!(last.starts_with("  so do this ") && last.contains("mlt ") && last.contains(" cornell --"), "{text}");
 }
 
 #[test]

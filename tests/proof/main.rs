@@ -4,6 +4,7 @@ mod agreement;
 mod analytic;
 mod auto;
 mod cameras;
+mod copies;
 mod determinism;
 mod duct;
 mod primary;

@@ -52,7 +52,7 @@ fn the_other_scenes_have_their_lights_and_smooth_meshes() {
 
 #[test]
 fn every_name_on_the_list_loads_and_others_do_not() {
-    assert!(BUILTIN.iter().all(|name| builtin(name).unwrap().is_ok()));
+    assert!(BUILTIN.iter().all(|scene| builtin(scene.name).unwrap().is_ok()));
     assert!(builtin("teapot").is_none());
     let error = open("teapot").unwrap_err();
     assert!(matches!(error, SceneError::NotFound { .. }));

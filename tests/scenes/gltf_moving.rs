@@ -4,7 +4,7 @@ use crate::support::{Document, f32s};
 use glam::DVec3;
 use mlt_core::memory::Memory;
 use mlt_core::transport::geometry::Mesh;
-use mlt_scene::{LoadOptions, Loaded};
+use mlt_scene::{LoadOptions, Loaded, MovingScene, SceneError};
 use serde_json::{Value, json};
 
 fn at(document: &Document, time: f64) -> Loaded {
@@ -58,11 +58,45 @@ fn copies_are_counted_before_they_are_made() {
     let crowd = Document::new()
         .with("/accessors/-", json!({ "componentType": 5126, "count": 1 << 20, "type": "VEC3" }))
         .with("/nodes/0/extensions", copies(json!({ "TRANSLATION": 3 })));
-    let folder = tempfile::TempDir::new().unwrap();
-    crowd.write(folder.path());
-    let memory = Memory::of(64 << 20);
-    let error = mlt_scene::open_within(folder.path().join("scene.gltf"), &LoadOptions::default(), &memory).unwrap_err();
+    let error = within(&crowd, &Memory::of(64 << 20)).unwrap_err();
     assert!(error.to_string().contains("the geometry of 1048576 triangles"), "{error}");
+}
+
+/// 20,000 copies in one place of 64 triangles.
+fn large_crowd(attributes: Value) -> Document {
+    let indices = [0u8, 0, 1, 0, 2, 0].repeat(64);
+    Document::new()
+        .with_view(&indices)
+        .with("/accessors/2", json!({ "bufferView": 3, "componentType": 5123, "count": 192, "type": "SCALAR" }))
+        .with("/accessors/-", json!({ "componentType": 5126, "count": 20_000, "type": "VEC3" }))
+        .with("/nodes/0/extensions", copies(attributes))
+}
+
+fn within(document: &Document, memory: &Memory) -> Result<Loaded, SceneError> {
+    let folder = tempfile::TempDir::new().unwrap();
+    document.write(folder.path());
+    mlt_scene::open_within(folder.path().join("scene.gltf"), &LoadOptions::default(), memory)
+}
+
+#[test]
+fn copies_of_a_large_crowd_share_their_mesh() {
+    let crowd = large_crowd(json!({ "TRANSLATION": 3 }));
+    let memory = || Memory::of(64 << 20);
+    let shared = within(&crowd, &memory()).unwrap().description;
+    assert!(shared.meshes.is_empty() && shared.prototypes.len() == 1);
+    assert_eq!((shared.prototypes[0].triangles(), shared.prototypes[0].places.len()), (64, 20_000));
+
+    // What shines, or has its own shape in each place, is made in the world.
+    let lit = crowd.clone().with("/materials/0/emissiveFactor", json!([1, 1, 1]));
+    let shaped = crowd.with("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]));
+    for document in [lit, shaped] {
+        let error = within(&document, &memory()).unwrap_err().to_string();
+        assert!(error.contains("the geometry of 1280000 triangles"), "{error}");
+    }
+
+    let vanished = within(&large_crowd(json!({ "SCALE": 3 })), &memory()).unwrap();
+    assert!(vanished.description.prototypes.is_empty());
+    assert!(vanished.warnings[0].contains("20000 of its 20000 copies have no extent"), "{:?}", vanished.warnings);
 }
 
 /// The triangle with two joints: one stays, one is moved; the weights of the last vertex are not normalised.
@@ -135,6 +169,23 @@ fn animations_are_read_at_a_time_by_their_interpolation() {
     assert!((corner(&cubic, 2.0).y - 3.0).abs() < 1e-9, "{}", corner(&cubic, 2.0));
     let control = animated("translation", "LINEAR", &slopes, "VEC3", 3);
     assert!((corner(&control, 2.0).y - 3.0).abs() > 1.0);
+}
+
+#[test]
+fn what_is_the_same_at_all_times_is_read_once() {
+    let line = animated("translation", "LINEAR", &[0., 0., 0., 0., 4., 0.], "VEC3", 3);
+    let folder = tempfile::TempDir::new().unwrap();
+    line.write(folder.path());
+    let path = folder.path().join("scene.gltf");
+    let mut scene = MovingScene::new(&path, LoadOptions::default());
+    for time in [1.5, 3.0, 0.0] {
+        let [moving, alone] = [scene.at(time, &Memory::unlimited()).unwrap(), at(&line, time)];
+        assert_eq!(moving.description.meshes[0].positions, alone.description.meshes[0].positions, "{time}");
+        assert_eq!((moving.digest, moving.warnings), (alone.digest, alone.warnings), "{time}");
+    }
+    std::fs::write(&path, "no JSON").unwrap();
+    assert!(scene.at(2.0, &Memory::unlimited()).is_ok());
+    assert!(MovingScene::new(&path, LoadOptions::default()).at(2.0, &Memory::unlimited()).is_err());
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn as_obj(scene: &Loaded, relative: bool) -> (String, String) {
 
 #[test]
 fn obj_and_gltf_of_the_built_in_scenes_agree() {
-    for (name, relative) in BUILTIN.iter().flat_map(|n| [(n, false), (n, true)]) {
+    for (name, relative) in BUILTIN.iter().flat_map(|scene| [(scene.name, false), (scene.name, true)]) {
         let gltf = open(name).unwrap();
         let (obj, mtl) = as_obj(&gltf, relative);
         let obj = load_files(&[("scene.obj", obj.as_bytes()), ("scene.mtl", mtl.as_bytes())]).unwrap();

@@ -93,13 +93,13 @@ fn compare(reference: &Picture, picture: &Picture) -> anyhow::Result<Difference>
     })
 }
 
-/// LDR-FLIP of two PNG files; HDR-FLIP as soon as one image is linear: the largest error over the exposures that the
+/// LDR-FLIP of two PNG or JPEG files; HDR-FLIP as soon as one image is linear: the largest error over the exposures that the
 /// reference's brightest and median luminance span, ACES tone curve.
 ///
 /// Source: [Andersson20], [Andersson21]; 67 pixels per degree, as in the authors' program.
 fn flip(reference: &Picture, picture: &Picture) -> Result<ErrorMap, FlipError> {
-    if (reference.format, picture.format) == (Format::Png, Format::Png) {
-        let encoded = |image: &Image| flip_image(image, output::png::srgb_from_linear);
+    if reference.format.is_for_screens() && picture.format.is_for_screens() {
+        let encoded = |image: &Image| flip_image(image, output::srgb::srgb_from_linear);
         return flip_rs::ldr_flip(&encoded(&reference.image)?, &encoded(&picture.image)?, DEFAULT_PPD);
     }
     hdr_flip(&reference.image, &picture.image)

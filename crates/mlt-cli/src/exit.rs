@@ -1,8 +1,6 @@
 //! Why the program ends, and with which code.
 
-use std::process::ExitCode;
-
-use clap::error::ErrorKind;
+use std::{fmt, process::ExitCode};
 
 use crate::{interrupt, terminal};
 
@@ -25,6 +23,15 @@ impl From<anyhow::Error> for Failure {
     }
 }
 
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usage(error) | Self::Run(error) | Self::InterruptedEarly(error) => write!(f, "{error:#}"),
+            Self::Interrupted => f.write_str("interrupted"),
+        }
+    }
+}
+
 impl Failure {
     /// A run that failed, with a sentence that says why.
     pub(crate) fn run(message: String) -> Self {
@@ -33,48 +40,13 @@ impl Failure {
 
     /// Says on standard error what is wrong and gives the exit code.
     pub(crate) fn report(&self) -> ExitCode {
-        let (error, code) = match self {
-            Self::Usage(error) => (error, 2),
-            Self::Run(error) => (error, 1),
-            Self::InterruptedEarly(error) => (error, interrupt::exit_code()),
+        let code = match self {
+            Self::Usage(_) => 2,
+            Self::Run(_) => 1,
+            Self::InterruptedEarly(_) => interrupt::exit_code(),
             Self::Interrupted => return ExitCode::from(interrupt::exit_code()),
         };
-        terminal::complain("error", &format!("{error:#}"));
+        terminal::complain("error", &self.to_string());
         ExitCode::from(code)
-    }
-
-    /// Prints what clap shows on request (help, version); what it objects to becomes one sentence.
-    pub(crate) fn from_clap(error: &clap::Error) -> Result<(), Self> {
-        let text = error.render().to_string();
-        match error.kind() {
-            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Ok(terminal::print(&text)?),
-            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-                Err(Self::Usage(anyhow::anyhow!("no command given; see 'mlt --help'")))
-            }
-            _ => Err(Self::Usage(anyhow::anyhow!(one_sentence(&text)))),
-        }
-    }
-}
-
-/// The part of clap's message before its usage lines, on one line and without the leading "error: ".
-pub(crate) fn one_sentence(text: &str) -> String {
-    let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|mark| text.find(mark)).min();
-    let message = text[..end.unwrap_or(text.len())].trim().trim_start_matches("error: ");
-    message
-        .split("\n\n")
-        .map(|paragraph| paragraph.split_whitespace().collect::<Vec<_>>().join(" "))
-        .collect::<Vec<_>>()
-        .join("; ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn clap_messages_become_one_sentence() {
-        let text = "error: unexpected argument '--sise' found\n\n  tip: a similar argument exists: '--size'\n\n\
-                    Usage: mlt render --size <WxH>\n\nFor more information, try '--help'.\n";
-        assert_eq!(one_sentence(text), "unexpected argument '--sise' found; tip: a similar argument exists: '--size'");
     }
 }

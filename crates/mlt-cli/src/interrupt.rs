@@ -34,7 +34,10 @@ pub fn exit_code() -> u8 {
 
 /// Tells whether the user (Ctrl-C) or the system (SIGTERM, SIGHUP) asked the program to stop.
 #[derive(Clone, Debug, Default)]
-pub struct Interrupt(Arc<AtomicBool>);
+pub struct Interrupt {
+    stop: Arc<AtomicBool>,
+    files: Arc<AtomicBool>,
+}
 
 impl Interrupt {
     /// From here on the first signal is only noted, to be polled; the second ends the program at once with its
@@ -43,7 +46,7 @@ impl Interrupt {
         let interrupt = Self::default();
         let noted = interrupt.clone();
         ctrlc::set_handler(move || {
-            if noted.0.swap(true, Ordering::Relaxed) {
+            if noted.stop.swap(true, Ordering::Relaxed) {
                 std::process::exit(exit_code().into());
             }
         })
@@ -53,6 +56,19 @@ impl Interrupt {
         Ok(interrupt)
     }
 
+    /// From here on a signal SIGUSR1, where the system has it, is noted, too.
+    pub fn heeding_requests(self) -> anyhow::Result<Self> {
+        #[cfg(unix)]
+        signal_hook::flag::register(signal_hook::consts::SIGUSR1, Arc::clone(&self.files))
+            .context("cannot install the handler of SIGUSR1")?;
+        Ok(self)
+    }
+
+    /// Whether the files so far were asked for since the last time.
+    pub fn files_are_wanted(&self) -> bool {
+        self.files.swap(false, Ordering::Relaxed)
+    }
+
     /// Breaks once the program was asked to stop.
     pub fn go_on(&self) -> ControlFlow<()> {
         if self.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -60,7 +76,7 @@ impl Interrupt {
 
     /// True once the program was asked to stop.
     pub fn requested(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.stop.load(Ordering::Relaxed)
     }
 }
 

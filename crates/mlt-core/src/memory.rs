@@ -12,6 +12,7 @@ use std::{
 /// error instead of being ended by the system.
 #[derive(Debug)]
 pub struct Memory {
+    total: u64,
     left: AtomicU64,
 }
 
@@ -35,12 +36,22 @@ impl fmt::Display for Shortage {
 impl Memory {
     /// A budget of so many bytes.
     pub fn of(bytes: u64) -> Self {
-        Self { left: AtomicU64::new(bytes) }
+        Self { total: bytes, left: AtomicU64::new(bytes) }
     }
 
     /// A budget that refuses nothing.
     pub fn unlimited() -> Self {
         Self::of(u64::MAX)
+    }
+
+    /// Bytes that there were in the beginning.
+    pub fn total(&self) -> u64 {
+        self.total
+    }
+
+    /// Bytes that are set aside.
+    pub fn taken(&self) -> u64 {
+        self.total - self.left.load(Relaxed)
     }
 
     /// Sets bytes aside for good.
@@ -63,7 +74,8 @@ impl Memory {
 }
 
 /// Bytes, in the unit that suits them.
-struct Size(u64);
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub u64);
 
 impl fmt::Display for Size {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -81,7 +93,7 @@ mod tests {
     fn what_is_taken_is_no_longer_left() {
         let memory = Memory::of(10 << 20);
         assert_eq!(memory.take(6 << 20), Ok(()));
-        assert_eq!(memory.check(4 << 20), Ok(()));
+        assert_eq!((memory.check(4 << 20), memory.taken()), (Ok(()), 6 << 20));
         let refused = memory.take(5 << 20).unwrap_err();
         assert_eq!(refused.to_string(), "needs 5.0 MiB of memory and 4.0 MiB are available");
         assert_eq!(memory.take(4 << 20), Ok(()), "a refusal takes nothing");

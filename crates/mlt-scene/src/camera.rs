@@ -1,7 +1,7 @@
 //! Cameras for files that bring none.
 
 use glam::{DVec3, Vec3};
-use mlt_core::transport::scene::{CameraPose, Lens, SceneDescription};
+use mlt_core::transport::scene::{CameraPose, Lens, Prototype, SceneDescription};
 
 /// A camera at `from` that looks at `to` with +y up; `vertical_fov` in radians.
 ///
@@ -35,6 +35,7 @@ pub fn camera_framing(bounds: [DVec3; 2]) -> CameraPose {
 
 /// The axis-parallel box [min, max] around all triangles; `None`: there are none.
 pub fn bounds(scene: &SceneDescription) -> Option<[DVec3; 2]> {
-    let points = || scene.meshes.iter().flat_map(|m| m.positions.iter().copied());
+    let own = || scene.meshes.iter().flat_map(|m| m.positions.iter().copied());
+    let points = || own().chain(scene.prototypes.iter().flat_map(Prototype::corners));
     Some([points().reduce(DVec3::min)?, points().reduce(DVec3::max)?])
 }

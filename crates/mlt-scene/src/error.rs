@@ -10,12 +10,22 @@ use std::{io, path::PathBuf};
 pub enum SceneError {
     /// Neither a file nor a built-in scene.
     #[error(
-        "`{name}` is neither a file nor a built-in scene; give a .gltf, .glb or .obj file, or one of {}",
-        BUILTIN.join(", ")
+        "`{name}` is neither a file nor a built-in scene; {hint}give a .gltf, .glb or .obj file, or one of {}",
+        BUILTIN.iter().map(|scene| scene.name).collect::<Vec<_>>().join(", ")
     )]
     NotFound {
         /// As the caller wrote it.
         name: String,
+        /// The one that may have been meant.
+        hint: String,
+    },
+    /// No file where a scene file is to be.
+    #[error("{path}: there is no such file; {hint}check its name and folder")]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The one that may have been meant.
+        hint: String,
     },
     /// No scene of the file has the name that was asked for.
     #[error("{path}: there is no scene \"{name}\"; {hint}")]

@@ -37,6 +37,7 @@ pub(crate) struct GeometrySize {
     triangles: usize,
     emitters: usize,
     textured: usize,
+    copies: usize,
 }
 
 impl GeometrySize {
@@ -45,6 +46,11 @@ impl GeometrySize {
         self.triangles = self.triangles.saturating_add(triangles);
         self.emitters = self.emitters.saturating_add(if emit { triangles } else { 0 });
         self.textured = self.textured.saturating_add(if textured { triangles } else { 0 });
+    }
+
+    /// Counts copies of a mesh that is held once.
+    pub(crate) fn add_copies(&mut self, count: usize) {
+        self.copies = self.copies.saturating_add(count);
     }
 
     /// Takes the memory for them, or refuses the scene. The renderer's needs are greater than those of the mesh in the
@@ -57,8 +63,9 @@ impl GeometrySize {
             (self.triangles, Scene::BYTES_PER_TRIANGLE),
             (self.emitters, Scene::BYTES_PER_EMITTER),
             (self.textured, Scene::BYTES_PER_TEXTURED_TRIANGLE),
+            (self.copies, Scene::BYTES_PER_COPY),
         ];
-        let bytes = bytes.iter().map(|&(count, each)| count as u64 * each).sum();
+        let bytes = bytes.iter().map(|&(count, each)| (count as u64).saturating_mul(each)).fold(0, u64::saturating_add);
         source.take(bytes, format!("the geometry of {} triangles", self.triangles))
     }
 }
@@ -101,7 +108,7 @@ impl<P: Fn(u32) -> DVec3, N: Fn(u32) -> Vec3> RawMesh<'_, P, N> {
             let (name, count) = (&mesh.name, bad.len());
             warnings.push(format!(
                 "mesh `{name}`: {count} vertices have coordinates that are not numbers or beyond {MAX_COORDINATE:e}; \
-                 the {lost} triangles that use them are dropped"
+                 the {lost} triangles that use them are dropped: look for vertices that are far away, and delete them"
             ));
         }
         let used = renumber(&mut mesh.triangles);
@@ -136,7 +143,7 @@ fn renumber(triangles: &mut [[u32; 3]]) -> Vec<u32> {
 }
 
 /// Whether a vertex can be rendered.
-fn is_usable(p: DVec3) -> bool {
+pub(crate) fn is_usable(p: DVec3) -> bool {
     p.is_finite() && p.abs().max_element() <= MAX_COORDINATE
 }
 
@@ -156,5 +163,5 @@ fn repair_normals(mesh: &mut Mesh, warnings: &mut Vec<String>) {
         *normal = sum.normalize_or(DVec3::Y).as_vec3();
     }
     let name = &mesh.name;
-    warnings.push(format!("mesh `{name}`: {bad} normals have no direction; the triangles' own stand in for them"));
+    warnings.push(format!("mesh `{name}`: {bad} normals have no direction; the triangles' own stand in for them (Blender: Mesh > Normals > Recalculate Outside)"));
 }

@@ -26,8 +26,8 @@ pub(crate) fn settle(scene: &mut SceneDescription, glass: Glass, warnings: &mut 
         return;
     }
     let mut solids: HashMap<u32, Option<u32>> = HashMap::new();
-    let SceneDescription { meshes, materials, .. } = scene;
-    for mesh in meshes {
+    let SceneDescription { meshes, prototypes, materials, .. } = scene;
+    for mesh in meshes.iter_mut().chain(prototypes.iter_mut().flat_map(|prototype| &mut prototype.meshes)) {
         let thin = mesh.material;
         let passes_light = materials[thin as usize].bsdf.is_transmissive();
         if !passes_light || (glass == Glass::Auto && !is_closed(mesh)) {
@@ -47,7 +47,7 @@ pub(crate) fn settle(scene: &mut SceneDescription, glass: Glass, warnings: &mut 
 
 /// One sentence for each material that became solid on some mesh.
 fn notes(scene: &SceneDescription, solids: &HashMap<u32, Option<u32>>) -> Vec<String> {
-    let is_used = |solid: u32| scene.meshes.iter().any(|mesh| mesh.material == solid);
+    let is_used = |solid: u32| scene.all_meshes().any(|mesh| mesh.material == solid);
     let mut used: Vec<_> = solids.values().filter_map(|&solid| solid.filter(|&solid| is_used(solid))).collect();
     used.sort_unstable();
     let name = |solid: u32| -> &Material { &scene.materials[solid as usize] };

@@ -20,27 +20,34 @@ mod glass;
 mod gltf_file;
 mod guard;
 mod images;
+mod missing;
+mod moving;
 mod names;
 mod obj_file;
 mod options;
+mod outline;
 mod range;
 mod source;
 mod tangents;
 mod text;
 mod winding;
 
+use gltf_file::Kept;
 use mlt_core::memory::Memory;
 use mlt_core::transport::scene::SceneDescription;
 use source::Source;
 use std::path::Path;
 
-pub use builtin::{BUILTIN, builtin};
+pub use builtin::{BUILTIN, BuiltIn, builtin};
 pub use camera::{bounds, camera_framing, camera_look_at};
 pub use environment::{EnvironmentOptions, EnvironmentSource};
 pub use error::SceneError;
 pub use glass::Glass;
-pub use names::instead_of;
-pub use options::{LightUnits, LoadOptions};
+pub use missing::{SCENE_EXTENSIONS, is_scene_file};
+pub use moving::MovingScene;
+pub use names::{instead_of, meant};
+pub use options::{Copies, LightUnits, LoadOptions};
+pub use outline::Entry;
 pub use text::{MOST_OF_A_MESSAGE, printable};
 
 /// A scene, and what could not be taken over from its file.
@@ -50,6 +57,8 @@ pub struct Loaded {
     pub name: String,
     /// The scene, for the renderer.
     pub description: SceneDescription,
+    /// The nodes of the file that are shown, depth first; of an OBJ file its meshes.
+    pub outline: Vec<Entry>,
     /// One sentence each, for the user.
     pub warnings: Vec<String>,
     /// A hash of the files that it was read from, in hexadecimal digits: scenes of different files have different ones.
@@ -61,28 +70,29 @@ pub struct Loaded {
 impl Loaded {
     /// Leaves nothing in names and warnings that would control a terminal. Cameras keep their names, to be chosen by.
     fn make_printable(&mut self) {
-        let SceneDescription { meshes, materials, .. } = &mut self.description;
-        let names = meshes.iter_mut().map(|m| &mut m.name).chain(materials.iter_mut().map(|m| &mut m.name));
-        names.for_each(|name| *name = text::shown(name));
+        self.description.all_meshes_mut().for_each(|mesh| mesh.name = text::shown(&mesh.name));
+        self.description.materials.iter_mut().for_each(|material| material.name = text::shown(&material.name));
         self.warnings.iter_mut().for_each(|warning| *warning = printable(warning, MOST_OF_A_MESSAGE));
     }
 }
 
 /// Loads a `.gltf`, `.glb` or `.obj` file, of any size.
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
-    load_within(path, &LoadOptions::default(), &Memory::unlimited())
+    load_within(path, &LoadOptions::default(), &Memory::unlimited(), &mut Kept::default())
 }
 
 /// Loads a `.gltf`, `.glb` or `.obj` file, and takes the memory that it needs here and in the renderer's scene.
-fn load_within(path: &Path, options: &LoadOptions, memory: &Memory) -> Result<Loaded, SceneError> {
+fn load_within(path: &Path, options: &LoadOptions, memory: &Memory, kept: &mut Kept) -> Result<Loaded, SceneError> {
+    if is_scene_file(path) && !path.exists() {
+        return Err(SceneError::Missing { path: path.to_owned(), hint: missing::hint(path) });
+    }
     let source = Source::file(path, memory);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let parse = match extension.as_deref() {
-        Some("gltf" | "glb") => gltf_file::load,
-        Some("obj") => obj_file::load,
-        _ => return Err(SceneError::UnknownFormat { path: path.to_owned() }),
-    };
-    let parsed = guard::catch(|| parse(&source, options));
+    let parsed = guard::catch(|| match extension.as_deref() {
+        Some("gltf" | "glb") => gltf_file::load(&source, options, kept),
+        Some("obj") => obj_file::load(&source, options),
+        _ => Err(SceneError::UnknownFormat { path: path.to_owned() }),
+    });
     let mut loaded = parsed.map_err(|reason| SceneError::Parser { path: path.to_owned(), reason })??;
     glass::settle(&mut loaded.description, options.glass, &mut loaded.warnings);
     winding::follow_normals(&mut loaded.description, &mut loaded.warnings);
@@ -103,14 +113,18 @@ pub fn open_within(
     options: &LoadOptions,
     memory: &Memory,
 ) -> Result<Loaded, SceneError> {
-    let path = name_or_path.as_ref();
+    open_keeping(name_or_path.as_ref(), options, memory, &mut Kept::default())
+}
+
+/// The same with what stays the same at other times in animations.
+fn open_keeping(path: &Path, options: &LoadOptions, memory: &Memory, kept: &mut Kept) -> Result<Loaded, SceneError> {
     let name = path.to_string_lossy();
     if path.is_file() || path.extension().is_some() {
-        return load_within(path, options, memory);
+        return load_within(path, options, memory, kept);
     }
-    let loaded = builtin::read(&name, options).unwrap_or_else(|| match path.exists() {
+    let loaded = builtin::read(&name, options, kept).unwrap_or_else(|| match path.exists() {
         true => Err(SceneError::NotAFile { path: path.to_owned() }),
-        false => Err(SceneError::NotFound { name: name.into_owned() }),
+        false => Err(SceneError::NotFound { name: name.into_owned(), hint: missing::hint(path) }),
     });
     let mut loaded = loaded?;
     environment::surround(&mut loaded, &options.environment, memory)?;

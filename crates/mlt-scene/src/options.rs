@@ -17,6 +17,20 @@ pub struct LoadOptions {
     /// Units of point, spot and directional lights in a glTF file; `None`: those of the program that wrote the
     /// file, photometric ones if that is not Blender.
     pub light_units: Option<LightUnits>,
+    /// How to hold meshes of a glTF file that stand in several places.
+    pub copies: Copies,
+}
+
+/// How to hold meshes that stand in several places; the image is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Copies {
+    /// Once where that saves much memory.
+    #[default]
+    Auto,
+    /// Once each.
+    Shared,
+    /// As often as they stand somewhere.
+    Baked,
 }
 
 /// Units of point, spot and directional lights in a glTF file, beside the radiance of its emissive materials.

@@ -22,8 +22,11 @@ pub(crate) struct Source<'a> {
     embedded: Option<Embedded>,
     memory: &'a Memory,
     /// Hashes of the files that were read, by their names.
-    hashes: Mutex<BTreeMap<String, blake3::Hash>>,
+    hashes: Mutex<Hashes>,
 }
+
+/// Hashes of files, by their names.
+pub(crate) type Hashes = BTreeMap<String, blake3::Hash>;
 
 impl<'a> Source<'a> {
     /// A file on disk.
@@ -54,6 +57,16 @@ impl<'a> Source<'a> {
         hasher.finalize().to_hex().to_string()
     }
 
+    /// The hashes of the files that were read.
+    pub(crate) fn hashes(&self) -> Hashes {
+        self.hashes.lock().expect("no thread has failed").clone()
+    }
+
+    /// Counts files as read that were read before, when they had these hashes.
+    pub(crate) fn note(&self, hashes: &Hashes) {
+        self.hashes.lock().expect("no thread has failed").extend(hashes.clone());
+    }
+
     /// The content of a file, once it is in the digest.
     fn noted(&self, name: &str, content: Vec<u8>) -> Vec<u8> {
         let hash = blake3::hash(&content);
@@ -69,7 +82,9 @@ impl<'a> Source<'a> {
         }
         if let Some(files) = self.embedded {
             let found = files.iter().find(|f| f.0 == name);
-            let content = found.map(|f| f.1.to_vec()).ok_or_else(|| SceneError::NotFound { name: name.clone() })?;
+            let content = found
+                .map(|f| f.1.to_vec())
+                .ok_or_else(|| SceneError::NotFound { name: name.clone(), hint: String::new() })?;
             return Ok(self.noted(&name, content));
         }
         let folder = self.path.parent().unwrap_or(Path::new(""));

@@ -23,8 +23,9 @@ const AGREEMENT: f64 = 0.9;
 
 /// Turns the triangles of glass and of lights that face away from their own normals.
 pub(crate) fn follow_normals(scene: &mut SceneDescription, warnings: &mut Vec<String>) {
-    for mesh in &mut scene.meshes {
-        if has_outside(&scene.materials[mesh.material as usize]) {
+    let SceneDescription { meshes, prototypes, materials, .. } = scene;
+    for mesh in meshes.iter_mut().chain(prototypes.iter_mut().flat_map(|prototype| &mut prototype.meshes)) {
+        if has_outside(&materials[mesh.material as usize]) {
             turn(mesh, warnings);
         }
     }

@@ -7,7 +7,7 @@ use clap::{ArgGroup, Args};
 use super::{
     contestant::Contestant,
     scene::SceneOptions,
-    values::{Size, duration, exposure, positive},
+    values::{Size, duration, exposure, positive, threads},
 };
 
 /// Options of `mlt bench`.
@@ -65,10 +65,10 @@ pub struct BenchOptions {
     #[command(flatten)]
     pub reading: SceneOptions,
     /// Size of the images in pixels; that of the reference file, or 256x256
-    #[arg(long, value_name = "WxH")]
+    #[arg(short, long, visible_alias = "resolution", value_name = "WxH")]
     pub size: Option<Size>,
     /// Threads; all processors if not given
-    #[arg(long, value_name = "N")]
+    #[arg(short, long, short_alias = 'j', value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
     /// Longest path, in edges from light to lens; no limit if not given
     #[arg(long, value_name = "EDGES", value_parser = clap::value_parser!(u32).range(1..))]

@@ -2,14 +2,17 @@
 
 use std::{ffi::OsString, fmt, path::Path, str::FromStr};
 
-use clap::{Args, FromArgMatches};
+use clap::{Arg, Args, Command, FromArgMatches};
 
 use super::{render::RenderOptions, scene::SceneOptions};
-use crate::exit::one_sentence;
+use crate::usage::sentence;
 
 /// Options that all runs of a study share beside [`SceneOptions`], and that a method can therefore not have for itself.
-const SHARED: [&str; 21] = [
+const SHARED: [&str; 26] = [
     "output",
+    "force",
+    "config",
+    "like",
     "max-length",
     "mutations-per-pixel",
     "samples-per-pixel",
@@ -23,6 +26,8 @@ const SHARED: [&str; 21] = [
     "seed",
     "threads",
     "size",
+    "width",
+    "height",
     "camera",
     "camera-from",
     "camera-to",
@@ -67,7 +72,7 @@ impl FromStr for Contestant {
         let mut words = vec![format!("--method={}", parts.next().unwrap_or_default())];
         for (index, part) in parts.enumerate() {
             match part.split_once('=') {
-                Some((name, _)) if SHARED.contains(&name) || SceneOptions::have(name) => {
+                Some((name, _)) if is_shared(name) => {
                     return Err(format!("'{name}' is the same for all methods; give it as an option of 'mlt bench'"));
                 }
                 Some((name, value)) => words.push(format!("--{name}={value}")),
@@ -87,11 +92,21 @@ impl fmt::Display for Contestant {
     }
 }
 
+/// Whether all runs of a study have the same value of an option, by whichever of its names.
+fn is_shared(name: &str) -> bool {
+    let command = RenderOptions::augment_args(Command::new("render"));
+    let has_name = |argument: &&Arg| {
+        argument.get_long() == Some(name) || argument.get_all_aliases().is_some_and(|names| names.contains(&name))
+    };
+    let long = command.get_arguments().find(has_name).and_then(Arg::get_long).unwrap_or(name);
+    SHARED.contains(&long) || SceneOptions::have(long)
+}
+
 fn parse(words: impl Iterator<Item = OsString>) -> Result<RenderOptions, String> {
-    let command = RenderOptions::augment_args(clap::Command::new("mlt render").no_binary_name(true));
+    let command = RenderOptions::augment_args(Command::new("mlt render").no_binary_name(true));
     let matches = command.try_get_matches_from(words);
     let options = matches.and_then(|matches| RenderOptions::from_arg_matches(&matches));
-    options.map_err(|error| one_sentence(&error.render().to_string()))
+    options.map_err(|error| sentence(&error))
 }
 
 #[cfg(test)]
@@ -133,6 +148,7 @@ mod tests {
             ("mlt:colour=red", "'--colour'"),
             ("mlt:rounds=0", "--rounds"),
             ("mlt:seed=4", "'seed' is the same for all methods"),
+            ("mlt:spp=4", "'spp' is the same for all methods"),
             ("mlt:output=a.exr", "'output' is the same"),
             ("mlt:scene=night", "'scene' is the same"),
             ("mlt:json=1", "--json"),

@@ -7,23 +7,31 @@ use mlt_core::transport::Rgb;
 use mlt_scene::{EnvironmentOptions as Environment, EnvironmentSource};
 use serde::{Serialize, Serializer};
 
-use super::values::{finite, not_negative, point};
+use super::{
+    heading,
+    values::{finite, not_negative, point},
+};
 
 /// Light from all around.
 #[derive(Args, Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EnvironmentOptions {
-    /// Light from all around: an equirectangular image, 'sky' (neutral, brighter from above), 'none', or the same radiance from
-    /// everywhere. If not given, a neutral sky where nothing in the file gives light
-    #[arg(long, value_name = "FILE.hdr|FILE.exr|sky|none|R,G,B", help_heading = "Scene")]
+    /// Light from all around: an .hdr or .exr image, sky, none, or R,G,B
+    ///
+    /// An image is equirectangular; 'sky' is neutral, and brighter from above; R,G,B is the same radiance from everywhere. If not
+    /// given, a neutral sky where nothing in the file gives light.
+    #[arg(long, value_name = "LIGHT", help_heading = heading::SCENE)]
     pub environment: Option<Source>,
     /// Angle by which it is turned about the vertical, anticlockwise seen from above
-    #[arg(long, value_name = "DEGREES", value_parser = finite, allow_hyphen_values = true, help_heading = "Scene")]
+    #[arg(long, value_name = "DEGREES", value_parser = finite, allow_hyphen_values = true, help_heading = heading::SCENE)]
+    #[arg(hide_short_help = true)]
     pub environment_rotation: Option<f64>,
     /// Factor of its radiance
-    #[arg(long, value_name = "FACTOR", value_parser = factor, help_heading = "Scene")]
+    #[arg(long, value_name = "FACTOR", value_parser = factor, help_heading = heading::SCENE)]
+    #[arg(hide_short_help = true)]
     pub environment_strength: Option<f64>,
     /// Whether the camera sees the environment where no surface is. It lights the scene in either case
-    #[arg(long, value_enum, help_heading = "Scene")]
+    #[arg(long, value_enum, help_heading = heading::SCENE)]
+    #[arg(hide_short_help = true)]
     pub background: Option<Background>,
 }
 

@@ -10,7 +10,7 @@ use std::{
 
 use clap::Args;
 
-use super::values::duration;
+use super::{heading, values::duration};
 
 /// Most parts of a render.
 const MOST_SHARDS: u64 = 1_000_000_000;
@@ -18,18 +18,34 @@ const MOST_SHARDS: u64 = 1_000_000_000;
 /// Files that keep the rounds of a render.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub struct KeptOptions {
-    /// Write the rounds that are done to FILE now and then, and at the end: --resume goes on from there
-    #[arg(long, value_name = "FILE", help_heading = "Checkpoint and parts")]
+    /// Keep what is done in FILE, from which --resume goes on
+    ///
+    /// The rounds that are done are written to it now and then, and at the end.
+    #[arg(long, value_name = "FILE", help_heading = heading::PARTS)]
+    #[arg(hide_short_help = true)]
     pub checkpoint: Option<PathBuf>,
     /// Time between two such writes
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "30s", help_heading = "Checkpoint and parts")]
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "30s", help_heading = heading::PARTS)]
+    #[arg(hide_short_help = true)]
     pub checkpoint_every: Duration,
-    /// Go on from FILE, with the same scene and options, to the same or a larger budget. FILE is kept up to date, unless --checkpoint
-    /// names another
-    #[arg(long, value_name = "FILE", help_heading = "Checkpoint and parts")]
+    /// Go on from FILE, to the same or a larger budget
+    ///
+    /// Scene and options have to be the same. FILE is kept up to date, unless --checkpoint names another.
+    #[arg(long, value_name = "FILE", help_heading = heading::PARTS)]
+    #[arg(hide_short_help = true)]
     pub resume: Option<PathBuf>,
-    /// Make only the I-th of N parts of the rounds, 1/N to N/N, for 'mlt merge'; needs -o FILE.mltp
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["time", "error"], help_heading = "Checkpoint and parts")]
+    /// Share what the pilot finds by FILE, with other parts
+    ///
+    /// It is taken from FILE, or written there if there is no such file yet. The image does not depend on it. Methods without a pilot
+    /// need none.
+    #[arg(long, value_name = "FILE", help_heading = heading::PARTS)]
+    #[arg(hide_short_help = true)]
+    pub pilot: Option<PathBuf>,
+    /// Make only part I of N, 1/N to N/N, for 'mlt merge'
+    ///
+    /// All parts together make the bits of the whole render. It needs -o FILE.mltp.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["time", "error"], help_heading = heading::PARTS)]
+    #[arg(hide_short_help = true)]
     pub shard: Option<Shard>,
 }
 
@@ -50,6 +66,16 @@ pub struct Shard {
 }
 
 impl Shard {
+    /// The part of this number, from 1 to `count`.
+    pub fn new(number: u64, count: u64) -> Self {
+        Self { number, count }
+    }
+
+    /// Its number.
+    pub fn number(self) -> u64 {
+        self.number
+    }
+
     /// How many parts there are.
     pub fn count(self) -> u64 {
         self.count

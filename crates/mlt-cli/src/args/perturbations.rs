@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PerturbationList(pub Perturbations);
 
-const NAMES: [&str; 3] = ["lens", "multi-chain", "caustic"];
+const NAMES: [&str; 4] = ["lens", "multi-chain", "pivot", "caustic"];
 
 impl FromStr for PerturbationList {
     type Err = String;
@@ -30,6 +30,7 @@ fn named(text: &str) -> Result<Perturbations, String> {
         match name {
             "lens" => chosen.lens = true,
             "multi-chain" => chosen.multi_chain = true,
+            "pivot" => chosen.pivot = true,
             "caustic" => chosen.caustic = true,
             _ => return Err(format!("give 'all', 'none', or some of {}, with commas between them", NAMES.join(", "))),
         }
@@ -39,12 +40,12 @@ fn named(text: &str) -> Result<Perturbations, String> {
 
 impl fmt::Display for PerturbationList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Perturbations { lens, multi_chain, caustic } = self.0;
-        let named = NAMES.into_iter().zip([lens, multi_chain, caustic]);
+        let Perturbations { lens, multi_chain, pivot, caustic } = self.0;
+        let named = NAMES.into_iter().zip([lens, multi_chain, pivot, caustic]);
         let names: Vec<_> = named.filter_map(|(name, chosen)| chosen.then_some(name)).collect();
         match names.len() {
             0 => f.write_str("none"),
-            3 => f.write_str("all"),
+            4 => f.write_str("all"),
             _ => f.write_str(&names.join(",")),
         }
     }
@@ -67,12 +68,15 @@ mod tests {
             ("none", "none"),
             ("caustic,lens", "lens,caustic"),
             ("multi-chain", "multi-chain"),
-            ("lens+caustic+multi-chain", "all"),
+            ("lens+caustic+pivot+multi-chain", "all"),
         ] {
             assert_eq!(text.parse::<PerturbationList>().map(|list| list.to_string()).as_deref(), Ok(written));
         }
         for bad in ["", "lens,", "bidirectional", "lens caustic", "none,lens"] {
-            assert!(bad.parse::<PerturbationList>().expect_err(bad).contains("lens, multi-chain, caustic"), "{bad}");
+            assert!(
+                bad.parse::<PerturbationList>().expect_err(bad).contains("lens, multi-chain, pivot, caustic"),
+                "{bad}"
+            );
         }
     }
 }

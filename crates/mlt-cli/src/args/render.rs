@@ -2,13 +2,16 @@
 
 use std::{ffi::OsStr, num::NonZeroUsize, path::PathBuf, time::Duration};
 
-use clap::{ArgGroup, Args};
+use clap::{ArgGroup, Args, ValueHint};
 use mlt_core::transport::render::Settings;
 
+use super::frames::{FrameOptions, FrameSeeds};
+use super::heading;
 use super::kept::KeptOptions;
 use super::scene::SceneOptions;
+use super::show::ShowOptions;
 use super::transport::{Method, TransportOptions};
-use super::values::{duration, exposure, per_pixel, relative_error, threads};
+use super::values::{Size, duration, exposure, per_pixel, relative_error, threads};
 use super::view::ViewOptions;
 use crate::{
     Failure,
@@ -17,6 +20,11 @@ use crate::{
 
 /// Most rounds, and highest number of the first one.
 const MAX_ROUNDS: u64 = 1_000_000_000;
+
+const SHORT_EXAMPLES: &str = "\
+Examples:
+  mlt render room.glb --error 2% -o room.png
+  mlt render room.obj --camera-from 4,3,6 --camera-to 0,1,0 --fov 40";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,71 +42,104 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or a scene that cannot be read, 130 
 
 /// Options of `mlt render`.
 #[derive(Args, Clone, Debug, PartialEq)]
-#[command(allow_negative_numbers = true, after_help = EXAMPLES)]
+#[command(allow_negative_numbers = true, after_help = SHORT_EXAMPLES, after_long_help = EXAMPLES)]
 #[command(group = ArgGroup::new("budget").args(["mutations_per_pixel", "samples_per_pixel", "time", "error"]))]
 pub struct RenderOptions {
-    /// A glTF or OBJ file, or the name of a built-in scene: cornell, ring or suzanne
-    #[arg(default_value = "cornell")]
+    /// A glTF or OBJ file, or a built-in scene: cornell, ring or suzanne
+    #[arg(default_value = "cornell", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,
-    /// Write to FILE, .exr (linear, float), .png (sRGB) or .mltp (exact sums, for 'mlt merge'); may be given several times. SCENE.exr
-    /// and SCENE.png in the current folder if not given
-    #[arg(short, long = "output", value_name = "FILE")]
-    pub outputs: Vec<OutputFile>,
 
-    /// How light transport is computed; if not given, mlt if an option asks for mutations, strata, weights, a variant,
-    /// perturbations or an importance, else auto
-    #[arg(long, value_enum, help_heading = "Method")]
-    pub method: Option<Method>,
-    /// The other options of the computation.
+    /// Where the scene is seen from.
     #[command(flatten)]
-    pub transport: TransportOptions,
+    pub view: ViewOptions,
+    /// Exposure of PNG and JPEG in stops: 1 is twice as bright
+    #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0, help_heading = heading::IMAGE)]
+    pub exposure: f64,
 
-    /// Stop after this many mutations per pixel (mlt, pssmlt, mmlt)
-    #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = "Budget")]
-    pub mutations_per_pixel: Option<f64>,
-    /// Stop after this many independent samples per pixel (bdpt, pt), or work worth as many of pt (auto); other methods make
-    /// as many mutations
-    #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = "Budget")]
+    /// Stop after this many samples per pixel
+    ///
+    /// Independent samples of bdpt and pt, and work worth as many of pt of auto; other methods make as many mutations.
+    #[arg(long, visible_alias = "spp", alias = "samples", value_name = "N", value_parser = per_pixel)]
+    #[arg(help_heading = heading::BUDGET)]
     pub samples_per_pixel: Option<f64>,
     /// Stop after this time, such as 30s, 5m or 1h
-    #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Budget")]
+    #[arg(long, value_name = "TIME", value_parser = duration, help_heading = heading::BUDGET)]
     pub time: Option<Duration>,
     /// Stop when the estimated relative error is this, such as 2% or 0.02
-    #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = "Budget")]
+    #[arg(long, value_name = "ERROR", value_parser = relative_error, help_heading = heading::BUDGET)]
     pub error: Option<f64>,
 
-    /// Share the budget out to this many rounds: independent renders of the whole image, averaged. 16 or more if not given; a
-    /// round of auto, bdpt or pt takes one sample of every pixel at least
-    #[arg(long, value_name = "N", help_heading = "Budget")]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..=MAX_ROUNDS))]
-    pub rounds: Option<u64>,
-    /// Number of the first round, to split a render over machines
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "rounds", help_heading = "Budget")]
-    #[arg(value_parser = clap::value_parser!(u64).range(..=MAX_ROUNDS))]
-    pub first_round: u64,
-    /// Files that outlive the process.
-    #[command(flatten)]
-    pub keeping: KeptOptions,
+    /// How light is computed; auto suits itself to the scene
+    ///
+    /// If not given, mlt if an option asks for mutations, strata, weights, a variant, perturbations or an importance, else auto.
+    #[arg(long, visible_alias = "integrator", value_enum, help_heading = heading::METHOD)]
+    pub method: Option<Method>,
     /// Threads; all processors if not given. The image does not depend on it
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(short, long, short_alias = 'j', alias = "nthreads", value_name = "N", value_parser = threads)]
+    #[arg(help_heading = heading::METHOD)]
     pub threads: Option<NonZeroUsize>,
+
+    /// Write to FILE, .exr, .hdr, .png, .jpg or .mltp; may be repeated
+    ///
+    /// .exr is linear, with error bars; .hdr is linear; .png and .jpg are for looking at; .mltp holds exact sums, for 'mlt merge'. - is
+    /// standard output, as OpenEXR or as in png:-. SCENE.exr and SCENE.png in the current folder if not given.
+    #[arg(short, long = "output", alias = "outfile", value_name = "FILE", value_hint = ValueHint::FilePath)]
+    #[arg(help_heading = heading::OUTPUT)]
+    pub outputs: Vec<OutputFile>,
+    /// Overwrite files that mlt has not made, too
+    ///
+    /// Images and checkpoints that mlt has made are overwritten without it.
+    #[arg(long, help_heading = heading::OUTPUT, hide_short_help = true)]
+    pub force: bool,
+    /// What is seen beside the image.
+    #[command(flatten)]
+    pub show: ShowOptions,
+    /// Print the report as one JSON object on standard output
+    #[arg(long, help_heading = heading::OUTPUT)]
+    #[arg(hide_short_help = true)]
+    pub json: bool,
+    /// No progress, no report; errors and warnings only
+    #[arg(short, long, help_heading = heading::OUTPUT)]
+    pub quiet: bool,
+
+    /// Take options from FILE, in TOML: the names of the long options, as in time = "30s"
+    ///
+    /// What the command line says wins. 'file' names the scene; a list stands for several values, true and false for flags.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
+    #[arg(hide_short_help = true)]
+    pub config: Option<PathBuf>,
+    /// Take the options that FILE, an image of 'mlt render', was made with
+    ///
+    /// Scene, view, method, seed and budget, that is. What the command line says wins; its budget replaces that of the file.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
+    #[arg(hide_short_help = true)]
+    pub like: Option<PathBuf>,
 
     /// How the scene is read.
     #[command(flatten)]
     pub reading: SceneOptions,
-    /// Where the scene is seen from.
+    /// Frames of an animation.
     #[command(flatten)]
-    pub view: ViewOptions,
-    /// Exposure of PNG files in stops: pixels times 2^EV
-    #[arg(long, value_name = "EV", value_parser = exposure, default_value_t = 0.0)]
-    pub exposure: f64,
+    pub frames: FrameOptions,
+    /// Files that outlive the process.
+    #[command(flatten)]
+    pub keeping: KeptOptions,
 
-    /// Print the report as one JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// No progress, no report; errors and warnings only
-    #[arg(short, long)]
-    pub quiet: bool,
+    /// The other options of the computation.
+    #[command(flatten)]
+    pub transport: TransportOptions,
+    /// Stop after this many mutations per pixel (mlt, pssmlt, mmlt)
+    #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = heading::RESEARCH, hide_short_help = true)]
+    pub mutations_per_pixel: Option<f64>,
+    /// Share the budget out to this many rounds: independent renders of the whole image, averaged. 16 or more if not given; a
+    /// round of auto, bdpt or pt takes one sample of every pixel at least
+    #[arg(long, value_name = "N", help_heading = heading::RESEARCH, hide_short_help = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=MAX_ROUNDS))]
+    pub rounds: Option<u64>,
+    /// Number of the first round, to split a render over machines
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "rounds", help_heading = heading::RESEARCH)]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=MAX_ROUNDS), hide_short_help = true)]
+    pub first_round: u64,
 }
 
 impl RenderOptions {
@@ -125,6 +166,43 @@ impl RenderOptions {
 
     /// Finds what is wrong with the options together, and with the files to write, before anything is rendered.
     pub fn check(&self) -> Result<(), Failure> {
+        self.check_together()?;
+        let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
+        let targets = self.targets();
+        if let Some(target) = targets.iter().find(|target| self.frames.frames.is_some() && !target.is_numbered()) {
+            return usage(format!(
+                "-o {}: each of the --frames needs a file of its own; write #### where the frame's number goes, as in frame.####.exr",
+                target.path.display()
+            ));
+        }
+        if self.keeping.shard.is_some() && !self.keeps_sums() {
+            return usage(
+                "--shard: images of parts cannot be added up; add -o FILE.mltp, which 'mlt merge' takes".into(),
+            );
+        }
+        if self.show.features() && !targets.iter().any(|target| target.format == Format::Exr) {
+            return usage("--aov: only OpenEXR files hold further channels; add -o FILE.exr".into());
+        }
+        if self.show.denoise && targets.iter().all(|target| target.denoised().is_none()) {
+            return usage(
+                "--denoise: a denoised image is written beside an image file; add -o FILE.exr or another".into(),
+            );
+        }
+        if let Some(pilot) = self.keeping.pilot.as_ref().filter(|pilot| !pilot.exists()) {
+            output::check_target(pilot).map_err(Failure::Usage)?;
+        }
+        // A preview may be shown where the image comes in the end.
+        let previews = self.show.files().filter(|file| targets.iter().all(|target| target.path != file.path));
+        let denoised: Vec<_> = targets.iter().filter(|_| self.show.denoise).filter_map(OutputFile::denoised).collect();
+        let files: Vec<_> = targets.iter().chain(previews).chain(&denoised).cloned().collect();
+        output::check_targets(&files, self.json).map_err(Failure::Usage)?;
+        // What is wrong with a file that is resumed is told by whoever reads it.
+        let others = files.into_iter().filter(|file| !self.force && self.keeping.resume.as_ref() != Some(&file.path));
+        output::check_existing(others).map_err(Failure::Usage)
+    }
+
+    /// Finds what is wrong with the options together.
+    pub fn check_together(&self) -> Result<(), Failure> {
         let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
         if self.mutations_per_pixel.is_some() && !self.method().mutates() {
             return usage(format!(
@@ -145,13 +223,27 @@ impl RenderOptions {
         if self.view.camera_from.is_some() && self.view.camera_from == self.view.camera_to {
             return usage("--camera-from and --camera-to are the same point; the camera has no direction".into());
         }
-        let targets = self.targets();
-        if self.keeping.shard.is_some() && !self.keeps_sums() {
-            return usage(
-                "--shard: images of parts cannot be added up; add -o FILE.mltp, which 'mlt merge' takes".into(),
-            );
+        Ok(())
+    }
+
+    /// The options of one frame's image.
+    #[must_use]
+    pub fn of_frame(&self, number: u32) -> Self {
+        let mut options = self.clone();
+        options.outputs = self.images().iter().map(|output| output.numbered(number)).collect();
+        options.reading.time_in_animation = Some(self.frames.seconds(number));
+        if self.frames.frame_seeds == FrameSeeds::Own {
+            options.transport.seed = self.transport.seed.wrapping_add(number.into());
         }
-        output::check_targets(&targets).map_err(Failure::Usage)
+        options.frames.frames = None;
+        options
+    }
+
+    /// The same for an image of which this is the size, a part of it or not.
+    #[must_use]
+    pub fn of_size(&self, [width, height]: [u32; 2]) -> Self {
+        let size = Size { width: width as usize, height: height as usize };
+        Self { view: self.view.sized(size), ..self.clone() }
     }
 
     /// Whether sums are read from a file or written to one.
@@ -169,17 +261,21 @@ impl RenderOptions {
         targets
     }
 
+    /// SCENE with an ending, in the current folder.
+    pub fn named_after_scene(&self, ending: &str) -> PathBuf {
+        let mut name = self.scene.file_stem().map_or_else(|| "render".into(), OsStr::to_os_string);
+        name.push(ending);
+        name.into()
+    }
+
     /// The files asked for, or SCENE.exr and SCENE.png in the current folder.
-    fn images(&self) -> Vec<OutputFile> {
+    pub fn images(&self) -> Vec<OutputFile> {
         if !self.outputs.is_empty() {
             return self.outputs.clone();
         }
-        let stem = self.scene.file_stem().map_or_else(|| "render".into(), OsStr::to_os_string);
-        let file = |extension: &str, format| {
-            let mut name = stem.clone();
-            name.push(extension);
-            OutputFile { path: name.into(), format }
-        };
+        let number = if self.frames.frames.is_some() { ".####" } else { "" };
+        let file =
+            |ending: &str, format| OutputFile { path: self.named_after_scene(&format!("{number}{ending}")), format };
         vec![file(".exr", Format::Exr), file(".png", Format::Png)]
     }
 }
@@ -252,6 +348,19 @@ mod tests {
     }
 
     #[test]
+    fn names_that_other_renderers_use_are_understood() {
+        let ours = "--samples-per-pixel 8 --size 64x48 --threads 2 --method pt";
+        for theirs in [
+            "--spp 8 --resolution 64x48 -t 2 --integrator path",
+            "--samples 8 -s 64x48 -j2 --integrator pt",
+            "--spp=8 -s64x48 --nthreads 2 --method path",
+        ] {
+            assert_eq!(parse(theirs), parse(ours), "{theirs}");
+        }
+        assert!(parse("-s 64").expect_err("no size").contains("samples per pixel are --spp"));
+    }
+
+    #[test]
     fn each_budget_is_understood() {
         assert_eq!(parse("--time 5m").map(|o| o.time), Ok(Some(Duration::from_secs(300))));
         assert_eq!(parse("--error 2%").map(|o| o.error), Ok(Some(0.02)));
@@ -267,6 +376,8 @@ mod tests {
             "--camera-from 1,2,3",
             "--camera-to 1,2,3",
             "--camera a --fov 30",
+            "--size 4x4 --height 4",
+            "--spp 4 --samples-per-pixel 4",
             "--camera a --camera-from 1,2,3 --camera-to 0,0,0",
             "--time 3s --time 4s",
         ] {
@@ -290,7 +401,7 @@ mod tests {
             ("--rounds 0", "--rounds"),
             ("--seed -1", "--seed"),
             ("--max-length 0", "--max-length"),
-            ("-o a.jpg", "has to end in .exr or .png"),
+            ("-o a.gif", "has to end in .exr, .hdr, .png or .jpg"),
             ("--exposure -1000", "between -100 and 100"),
         ] {
             let message = parse(line).expect_err(line);

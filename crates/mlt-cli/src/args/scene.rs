@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::{
     environment::EnvironmentOptions,
+    heading,
     written::{words, written},
 };
 
@@ -68,23 +69,23 @@ fn moment(text: &str) -> Result<f64, String> {
 /// How a scene is read from its file.
 #[derive(Args, Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SceneOptions {
-    /// The scene of a glTF file to show, by its name; the file's default one if not given
-    #[arg(long = "scene", value_name = "NAME", help_heading = "Scene")]
-    #[serde(rename = "scene")]
-    pub scene_name: Option<String>,
-    /// Glass of a glTF file without KHR_materials_volume: a solid where its mesh is closed (auto), a thin wall, or a solid
-    #[arg(long, value_enum, value_name = "KIND", help_heading = "Scene")]
-    pub glass: Option<GlassKind>,
-    /// Time in a glTF file's animations, in seconds; without it the file is shown as it stands at rest
-    #[arg(long, value_name = "SECONDS", value_parser = moment, help_heading = "Scene")]
-    pub time_in_animation: Option<f64>,
-    /// Units of point, spot and directional lights in a glTF file; those of the program that wrote it, photometric ones if that is not Blender
-    #[arg(long, value_enum, value_name = "UNITS", help_heading = "Scene")]
-    pub light_units: Option<LightUnits>,
     /// Light from all around.
     #[command(flatten)]
     #[serde(flatten)]
     pub environment: EnvironmentOptions,
+    /// The scene of a glTF file to show, by its name; the file's default one if not given
+    #[arg(long = "scene", value_name = "NAME", help_heading = heading::FILES, hide_short_help = true)]
+    #[serde(rename = "scene")]
+    pub scene_name: Option<String>,
+    /// Glass of a glTF file without KHR_materials_volume: a solid where its mesh is closed (auto), a thin wall, or a solid
+    #[arg(long, value_enum, value_name = "KIND", help_heading = heading::FILES, hide_short_help = true)]
+    pub glass: Option<GlassKind>,
+    /// Time in a glTF file's animations, in seconds; without it the file is shown as it stands at rest
+    #[arg(long, value_name = "SECONDS", value_parser = moment, help_heading = heading::FILES, hide_short_help = true)]
+    pub time_in_animation: Option<f64>,
+    /// Units of point, spot and directional lights in a glTF file; those of the program that wrote it, photometric ones if that is not Blender
+    #[arg(long, value_enum, value_name = "UNITS", help_heading = heading::FILES, hide_short_help = true)]
+    pub light_units: Option<LightUnits>,
 }
 
 impl SceneOptions {
@@ -96,6 +97,7 @@ impl SceneOptions {
             time_in_animation: self.time_in_animation,
             light_units: self.light_units.map(LightUnits::into),
             glass: self.glass.unwrap_or_default().into(),
+            ..LoadOptions::default()
         }
     }
 

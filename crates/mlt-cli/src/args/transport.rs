@@ -13,7 +13,7 @@ use mlt_core::transport::{
 };
 use serde::{Serialize, Serializer};
 
-use super::{perturbations::PerturbationList, values::Strata};
+use super::{heading, perturbations::PerturbationList, values::Strata};
 
 /// How light transport is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
@@ -26,6 +26,7 @@ pub enum Method {
     /// Bidirectional path tracing
     Bdpt,
     /// Path tracing
+    #[value(alias = "path")]
     Pt,
     /// Stratified Metropolis over the random numbers of bidirectional samples
     Pssmlt,
@@ -101,35 +102,38 @@ pub enum Variant {
 /// Options that decide how the light of a scene is computed, besides method and budget.
 #[derive(Args, Clone, Debug, PartialEq, Serialize)]
 pub struct TransportOptions {
-    /// Cut lights into strata: 'none', 'auto' (found by a pilot), a number of strata, or columns and rows of cells per
-    /// light; add ',length' and ',tiles:NxM' to cut by path length and over the image as well (mlt; auto, pssmlt and mmlt take the cut of
-    /// lights alone)
-    #[arg(long, value_name = "none|auto|COUNT|NxM", default_value_t, help_heading = "Method")]
+    /// Cut lights into strata: 'none', 'auto', a number of strata, or cells of each light, as in 4x4
+    ///
+    /// 'auto' is found by a pilot. Add ',length' and ',tiles:NxM' to cut by path length and over the image as well (mlt; auto, pssmlt
+    /// and mmlt take the cut of lights alone).
+    #[arg(long, value_name = "STRATA", default_value_t, help_heading = heading::RESEARCH, hide_short_help = true)]
     #[serde(rename = "strata_option")]
     pub strata: Strata,
     /// How mutations are shared among strata in mlt; adaptive if not given
-    #[arg(long, value_enum, help_heading = "Method")]
+    #[arg(long, value_enum, help_heading = heading::RESEARCH, hide_short_help = true)]
     #[serde(serialize_with = "or_default")]
     pub weights: Option<Weights>,
     /// Rounds of each measurement of the pilot, for adaptive weights and automatic strata in mlt
-    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Method")]
+    #[arg(long, value_name = "N", default_value_t = 4, help_heading = heading::RESEARCH, hide_short_help = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(2..=64))]
     pub rounds_pilot: u64,
     /// Chains or mutations that strata restrict in mlt
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_enum, default_value_t, help_heading = heading::RESEARCH, hide_short_help = true)]
     pub variant: Variant,
-    /// Perturbations beside the bidirectional mutation in mlt: 'all' that the scene has use for, 'none', or some of lens, multi-chain and
-    /// caustic, with commas between them
-    #[arg(long, value_name = "all|none|LIST", default_value_t, help_heading = "Method")]
+    /// Perturbations beside the bidirectional mutation in mlt: 'all' that the scene has use for, 'none', or some of lens, multi-chain,
+    /// pivot and caustic, with commas between them
+    #[arg(long, value_name = "all|none|LIST", default_value_t, help_heading = heading::RESEARCH, hide_short_help = true)]
     pub perturbations: PerturbationList,
     /// Importance that chains sample in proportion to
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_enum, default_value_t, help_heading = heading::RESEARCH, hide_short_help = true)]
     pub importance: Importance,
     /// Longest path, in edges from light to lens; no limit if not given
-    #[arg(long, value_name = "EDGES", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Method")]
+    #[arg(long, value_name = "EDGES", value_parser = clap::value_parser!(u32).range(1..), help_heading = heading::METHOD)]
+    #[arg(hide_short_help = true)]
     pub max_length: Option<u32>,
     /// Seed of the random numbers: same seed, same image
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = heading::METHOD)]
+    #[arg(hide_short_help = true)]
     pub seed: u64,
 }
 
@@ -141,8 +145,13 @@ fn or_default<T: Copy + Default + Serialize, S: Serializer>(value: &Option<T>, t
 impl TransportOptions {
     /// Whether they ask for something that only chains have.
     pub fn ask_for_chains(&self) -> bool {
+        self.weights.is_some() || self.change_chains()
+    }
+
+    /// Whether chains with them are others than those without.
+    pub fn change_chains(&self) -> bool {
         self.strata != Strata::default()
-            || self.weights.is_some()
+            || self.weights.unwrap_or_default() != Weights::default()
             || self.variant != Variant::default()
             || self.perturbations != PerturbationList::default()
             || self.importance != Importance::default()

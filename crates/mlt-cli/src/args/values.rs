@@ -31,7 +31,10 @@ impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (width, height) = pair(text).ok_or("give width and height in pixels, as in 640x480")?;
+        let (width, height) = pair(text).ok_or_else(|| {
+            let samples = if text.parse::<f64>().is_ok() { " (samples per pixel are --spp)" } else { "" };
+            format!("give width and height in pixels, as in 640x480{samples}")
+        })?;
         let valid = 1..=MAX_SIDE as u64;
         if !valid.contains(&width) || !valid.contains(&height) {
             return Err(format!("width and height have to be between 1 and {MAX_SIDE}"));
@@ -216,11 +219,17 @@ pub fn per_pixel(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Width or height of an image, pixels.
+pub fn side(text: &str) -> Result<usize, String> {
+    let side = text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+    side.ok_or_else(|| format!("give a number of pixels between 1 and {MAX_SIDE}"))
+}
+
 /// A number of threads.
 pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
     match text.parse::<NonZeroUsize>() {
         Ok(number) if number.get() <= MAX_THREADS => Ok(number),
-        _ => Err(format!("give a number between 1 and {MAX_THREADS}")),
+        _ => Err(format!("give a number between 1 and {MAX_THREADS}, or leave it out for all processors")),
     }
 }
 

@@ -63,13 +63,13 @@ pub struct VerifyOptions {
     #[command(flatten)]
     pub reading: SceneOptions,
     /// Size of the images in pixels
-    #[arg(long, value_name = "WxH", default_value = "64x64")]
+    #[arg(short, long, visible_alias = "resolution", value_name = "WxH", default_value = "64x64")]
     pub size: Size,
     /// The first seed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(..1 << 31))]
     pub seed: u64,
     /// Threads; all processors if not given
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(short, long, short_alias = 'j', value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
     /// Print the verdicts as a list of objects on standard output
     #[arg(long)]

@@ -7,10 +7,7 @@ use std::{
 
 use anyhow::Context;
 
-use crate::{
-    image::Image,
-    output::{atomic, exr},
-};
+use crate::{atomic, image::Image, output::exr};
 
 /// Attribute of an image that says what it shows.
 const IDENTITY: &str = "mlt.bench";

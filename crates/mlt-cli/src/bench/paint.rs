@@ -4,7 +4,10 @@ use base64::{Engine, prelude::BASE64_STANDARD};
 use mlt_core::measure::REL_MSE_EPSILON;
 
 use super::subject::Reference;
-use crate::{image::Image, output::png};
+use crate::{
+    image::Image,
+    output::{png, srgb},
+};
 
 /// Colours of an error map from none to [`LARGEST`]: dark to light at an even rate, so that it reads in grey as well.
 const MAP: [[f32; 3]; 6] = [
@@ -21,14 +24,14 @@ pub(super) const LARGEST: f64 = 0.5;
 
 /// An image as `data:` address of a PNG. `exposure` in stops.
 pub(super) fn data_uri(image: &Image, exposure: f64) -> anyhow::Result<String> {
-    Ok(format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png::encode(image, exposure)?)))
+    Ok(format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png::encode(image, exposure, &[])?)))
 }
 
 /// |a − b| / √(a² + 10⁻²) of the luminances, the root of a pixel's part of relMSE, in false colour.
 pub(super) fn error_map(reference: &Reference, image: &Image) -> anyhow::Result<Image> {
     let colour = |(&a, b): (&f32, f32)| {
         let (a, b) = (f64::from(a), f64::from(b));
-        map((a - b).abs() / (a * a + REL_MSE_EPSILON).sqrt() / LARGEST).map(png::linear_from_srgb)
+        map((a - b).abs() / (a * a + REL_MSE_EPSILON).sqrt() / LARGEST).map(srgb::linear_from_srgb)
     };
     let rgb = reference.luminance.iter().zip(image.luminance()).map(colour).collect();
     Image::new(image.width, image.height, rgb)
@@ -59,8 +62,9 @@ mod tests {
 
     #[test]
     fn the_map_grows_lighter_throughout() {
-        let lightness: Vec<f32> =
-            (0..=50).map(|i| luminance(Rgb::from_array(map(f64::from(i) / 50.0).map(png::linear_from_srgb)))).collect();
+        let lightness: Vec<f32> = (0..=50)
+            .map(|i| luminance(Rgb::from_array(map(f64::from(i) / 50.0).map(srgb::linear_from_srgb))))
+            .collect();
         assert!(lightness.windows(2).all(|pair| pair[0] < pair[1]), "{lightness:?}");
         assert_eq!((map(0.0), map(7.0), map(-1.0)), (MAP[0], MAP[5], MAP[0]));
     }

@@ -4,23 +4,17 @@
 //! Such sums go on where they were, and add up to the bits of one render, whatever the order.
 
 mod file;
-pub mod info;
-pub mod merge;
+pub mod pilot;
 
 use std::{ops::Range, path::PathBuf, time::Duration};
 
 use anyhow::{Context, anyhow};
-use clap::Parser;
 use mlt_core::{engine::MergeError, transport::render::Sums};
 use serde::{Deserialize, Serialize};
 
 pub use file::{MAGIC, encode, read};
 
-use crate::{
-    Failure,
-    args::{Cli, Command, render::RenderOptions},
-    report::Provenance,
-};
+use crate::{Failure, provenance::Provenance};
 
 /// The sums of some rounds of a render, and all that its files and its report need besides.
 #[derive(Debug)]
@@ -29,6 +23,8 @@ pub struct Kept {
     pub path: PathBuf,
     /// Which render they are of.
     pub about: About,
+    /// What its pilot found; `None` if its method has no pilot.
+    pub pilot: Option<Vec<u8>>,
     /// Its rounds.
     pub sums: Sums,
 }
@@ -64,17 +60,6 @@ impl Spent {
     pub fn and(self, other: Self) -> Self {
         let processors = self.processors.zip(other.processors).map(|(a, b)| a + b);
         Self { clock: self.clock + other.clock, processors }
-    }
-}
-
-impl About {
-    /// The options of the render that the rounds are of.
-    pub fn options(&self) -> anyhow::Result<RenderOptions> {
-        let words = ["mlt", "render"].into_iter().chain(self.arguments.iter().map(String::as_str));
-        match Cli::try_parse_from(words).map(|cli| cli.command) {
-            Ok(Command::Render(options)) => Ok(*options),
-            _ => Err(anyhow!("the options in it are not understood")),
-        }
     }
 }
 

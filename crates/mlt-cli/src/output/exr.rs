@@ -13,13 +13,13 @@ use ::exr::{
         header::{ImageAttributes, LayerAttributes},
     },
     prelude::{
-        Blocks, Compression, Encoding, Image as ExrImage, Layer, LineOrder, ReadChannels, ReadLayers,
-        ReadSpecificChannel, SpecificChannels, Vec2, WritableImage, read as exr_read,
+        AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as ExrImage, Layer, LineOrder,
+        ReadChannels, ReadLayers, ReadSpecificChannel, Vec2, WritableImage, read as exr_read,
     },
 };
 use anyhow::{Context, bail};
 
-use super::check_size;
+use super::{Attributes, Channel, Frame, check_size};
 use crate::{image::Image, require_memory};
 
 /// The first bytes of every OpenEXR file.
@@ -29,6 +29,9 @@ pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// fifty times the time.
 const ENCODING: Encoding =
     Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+
+/// Channels of the standard errors.
+pub const STDERR: [&str; 3] = ["stderr.R", "stderr.G", "stderr.B"];
 
 /// Content of an OpenEXR file of this program.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,35 +47,41 @@ pub struct ExrFile {
 /// The file's bytes: 32-bit float channels, losslessly compressed. Same input, same bytes.
 ///
 /// `stderr`: as many pixels as the image. `attributes`: names (each once) and UTF-8 texts for the header.
-pub fn encode(image: &Image, stderr: Option<&[[f32; 3]]>, attributes: &[(String, String)]) -> anyhow::Result<Vec<u8>> {
-    if stderr.is_some_and(|stderr| stderr.len() != image.rgb.len()) {
-        bail!("the standard errors do not have the image's size");
-    }
-    let pixel = |values: &[[f32; 3]], position: Vec2<usize>| -> (f32, f32, f32) {
-        values[position.y() * image.width + position.x()].into()
-    };
-    let colour = SpecificChannels::build().with_channel("R").with_channel("G").with_channel("B");
-    let Some(stderr) = stderr else {
-        let pixels = colour.with_pixel_fn(|position| pixel(&image.rgb, position));
-        return bytes(&with_header(image, attributes, pixels));
-    };
-    let channels = colour.with_channel("stderr.R").with_channel("stderr.G").with_channel("stderr.B");
-    let pixels = channels.with_pixel_fn(|position| {
-        let ((r, g, b), (dr, dg, db)) = (pixel(&image.rgb, position), pixel(stderr, position));
-        (r, g, b, dr, dg, db)
-    });
-    bytes(&with_header(image, attributes, pixels))
+pub fn encode(image: &Image, stderr: Option<&[[f32; 3]]>, attributes: &Attributes) -> anyhow::Result<Vec<u8>> {
+    let channels: Vec<_> = stderr.into_iter().flat_map(|stderr| Channel::of_triples(STDERR, stderr)).collect();
+    encode_channels(image, &channels, Frame::whole(image), attributes)
 }
 
-fn with_header<C>(image: &Image, attributes: &[(String, String)], channel_data: C) -> ExrImage<Layer<C>> {
-    let size = Vec2(image.width, image.height);
+/// The same with any channels beside the image's, of an image that may be a part of a larger one: the data window of the display
+/// window.
+pub fn encode_channels(
+    image: &Image,
+    channels: &[Channel],
+    frame: Frame,
+    attributes: &Attributes,
+) -> anyhow::Result<Vec<u8>> {
+    if let Some(other) = channels.iter().find(|channel| channel.values.len() != image.rgb.len()) {
+        bail!("the channel {} does not have the image's size", other.name);
+    }
+    let colour = Channel::of_triples(["R", "G", "B"], &image.rgb);
+    let all = colour.into_iter().chain(channels.iter().cloned());
+    let list = all.map(|channel| AnyChannel::new(channel.name.as_str(), FlatSamples::F32(channel.values)));
     let text = |text: &str| Text::from_slice_unchecked(text.as_bytes());
     let attribute = |(name, value): &(String, String)| (text(name), AttributeValue::Text(text(value)));
-    let header = LayerAttributes { other: attributes.iter().map(attribute).collect(), ..LayerAttributes::default() };
-    ExrImage {
-        attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
-        layer_data: Layer { channel_data, attributes: header, size, encoding: ENCODING },
-    }
+    let header = LayerAttributes {
+        layer_position: Vec2(frame.corner[0] as i32, frame.corner[1] as i32),
+        other: attributes.iter().map(attribute).collect(),
+        ..LayerAttributes::default()
+    };
+    bytes(&ExrImage {
+        attributes: ImageAttributes::new(IntegerBounds::from_dimensions(Vec2(frame.size[0], frame.size[1]))),
+        layer_data: Layer {
+            channel_data: AnyChannels::sort(list.collect()),
+            attributes: header,
+            size: Vec2(image.width, image.height),
+            encoding: ENCODING,
+        },
+    })
 }
 
 fn bytes<'a, C: WritableChannels<'a> + 'a>(image: &'a ExrImage<Layer<C>>) -> anyhow::Result<Vec<u8>> {
@@ -131,9 +140,9 @@ fn decode(path: &Path) -> anyhow::Result<ExrFile> {
         .required("R")
         .required("G")
         .required("B")
-        .optional("stderr.R", f32::NAN)
-        .optional("stderr.G", f32::NAN)
-        .optional("stderr.B", f32::NAN)
+        .optional(STDERR[0], f32::NAN)
+        .optional(STDERR[1], f32::NAN)
+        .optional(STDERR[2], f32::NAN)
         .collect_pixels(
             |size, (_, _, _, r, g, b)| -> Pixels {
                 let blank = || vec![[f32::NAN; 3]; size.area()];

@@ -1,37 +1,41 @@
-//! PNG: 8 bits a channel, sRGB.
+//! PNG: 8 bits a channel, sRGB, with how the image was made.
 
 use std::{fs::File, io::BufReader, path::Path};
 
-use ::image::{
-    DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits,
-    codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder},
-};
+use ::image::codecs::png::PngDecoder;
+use ::png::{BitDepth, ColorType, Decoder, Encoder, Limits, ScaledFloat, SourceChromaticities, SrgbRenderingIntent};
 use anyhow::Context;
 
-use super::{MAX_SIDE, check_size};
+use super::{Attributes, decoder, srgb};
 use crate::image::Image;
+
+/// 1/2.2 in parts of 10⁻⁵, and x and y of white, red, green and blue: what the PNG specification (section 11.3.2.5) has beside the
+/// chunk sRGB for readers that do not know it.
+const GAMMA: u32 = 45_455;
+const CHROMATICITIES: [(f32, f32); 4] = [(0.3127, 0.329), (0.64, 0.33), (0.3, 0.6), (0.15, 0.06)];
 
 /// The first bytes of every PNG file.
 pub const MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
-/// Most memory for what a file holds besides its pixels: whatever that says, a few bytes can ask for gigabytes. Larger profiles are
-/// skipped, as none is used. The pixels' own memory is checked against what the machine has.
-const MOST_BESIDES: u64 = 4 << 20;
-
-/// The file's bytes: pixels times 2^`exposure`, clipped to 0…1, by the sRGB curve; NaN becomes black.
+/// The file's bytes: pixels times 2^`exposure`, clipped to 0…1, by the sRGB curve; NaN becomes black. The chunk sRGB says so, gAMA
+/// and cHRM say it to older readers, and each attribute is a chunk iTXt.
 ///
 /// `exposure`: in stops (EV). Same image, same bytes.
-pub fn encode(image: &Image, exposure: f64) -> anyhow::Result<Vec<u8>> {
-    let scale = exposure.exp2();
-    let bytes: Vec<u8> =
-        image.rgb.as_flattened().iter().map(|&value| to_byte(encoded(f64::from(value) * scale))).collect();
+pub fn encode(image: &Image, exposure: f64, attributes: &Attributes) -> anyhow::Result<Vec<u8>> {
     let mut file = Vec::new();
-    PngEncoder::new_with_quality(&mut file, CompressionType::Default, FilterType::Adaptive).write_image(
-        &bytes,
-        u32::try_from(image.width)?,
-        u32::try_from(image.height)?,
-        ExtendedColorType::Rgb8,
-    )?;
+    let mut encoder = Encoder::new(&mut file, u32::try_from(image.width)?, u32::try_from(image.height)?);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    encoder.set_source_gamma(ScaledFloat::from_scaled(GAMMA));
+    let [white, red, green, blue] = CHROMATICITIES;
+    encoder.set_source_chromaticities(SourceChromaticities::new(white, red, green, blue));
+    for (name, value) in attributes {
+        encoder.add_itxt_chunk(name.clone(), value.clone())?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&srgb::bytes(image, exposure))?;
+    writer.finish()?;
     Ok(file)
 }
 
@@ -41,74 +45,43 @@ pub fn read(path: &Path) -> anyhow::Result<Image> {
 }
 
 fn decode(path: &Path) -> anyhow::Result<Image> {
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_SIDE as u32);
-    limits.max_image_height = Some(MAX_SIDE as u32);
-    limits.max_alloc = Some(MOST_BESIDES);
-    let decoder = PngDecoder::with_limits(BufReader::new(File::open(path)?), limits)?;
-    let (width, height) = decoder.dimensions();
-    let (width, height) = (width as usize, height as usize);
-    // As decoded (8 bytes at most), as float, as image.
-    check_size(width, height, 8 + 12 + 12)?;
-    let pixels = DynamicImage::from_decoder(decoder)?.into_rgb32f();
-    Image::new(width, height, pixels.pixels().map(|pixel| pixel.0.map(linear_from_srgb)).collect())
+    let decoder = PngDecoder::with_limits(BufReader::new(File::open(path)?), decoder::limits())?;
+    Ok(decoder::mapped(decoder::pixels(decoder)?, srgb::linear_from_srgb))
 }
 
-fn encoded(linear: f64) -> f64 {
-    match linear {
-        x if x <= 0.0 || x.is_nan() => 0.0,
-        x if x <= 0.003_130_8 => 12.92 * x,
-        x if x < 1.0 => 1.055 * x.powf(1.0 / 2.4) - 0.055,
-        _ => 1.0,
-    }
-}
-
-/// [`srgb_from_linear`]'s inverse on 0…1.
-pub(crate) fn linear_from_srgb(encoded: f32) -> f32 {
-    let encoded = f64::from(encoded);
-    let linear = if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
-    linear as f32
-}
-
-/// sRGB's transfer function, IEC 61966-2-1; clips to 0…1, NaN becomes 0.
-pub(crate) fn srgb_from_linear(linear: f32) -> f32 {
-    encoded(f64::from(linear)) as f32
-}
-
-fn to_byte(encoded: f64) -> u8 {
-    (encoded * 255.0).round() as u8
+/// Width and height, and what [`encode`] was told of the image.
+pub(super) fn attributes(path: &Path) -> anyhow::Result<([usize; 2], Vec<(String, String)>)> {
+    let limits = Limits { bytes: decoder::MOST_BESIDES as usize };
+    let reader = Decoder::new_with_limits(BufReader::new(File::open(path)?), limits).read_info()?;
+    let info = reader.info();
+    let texts = info.utf8_text.iter().map(|chunk| Ok((chunk.keyword.clone(), chunk.get_text()?)));
+    Ok(([info.width, info.height].map(|side| side as usize), texts.collect::<anyhow::Result<_>>()?))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Values of IEC 61966-2-1: middle grey 0.2140 is byte 127 or 128, the linear part has slope 12.92.
-    #[test]
-    fn the_curve_is_srgb() {
-        assert!((encoded(0.214_041_14) - 0.5).abs() < 1e-6);
-        assert!((encoded(0.001) - 0.01292).abs() < 1e-12);
-        assert_eq!([f64::NAN, -1.0, 0.0].map(encoded), [0.0; 3]);
-        assert_eq!([1.0, 7.0, f64::INFINITY].map(encoded), [1.0; 3]);
-    }
-
-    #[test]
-    fn every_byte_survives_the_curve_both_ways() {
-        for byte in 0..=255_u8 {
-            assert_eq!(to_byte(encoded(f64::from(linear_from_srgb(f32::from(byte) / 255.0)))), byte);
-        }
-    }
-
     #[test]
     fn a_written_image_is_read_back_exposed_and_clipped() {
         let image = Image::new(2, 1, vec![[0.25, f32::NAN, -3.0], [0.5, 4.0, f32::INFINITY]]).expect("two pixels");
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.png");
-        std::fs::write(&path, encode(&image, 1.0).expect("encoded")).expect("written");
+        std::fs::write(&path, encode(&image, 1.0, &[]).expect("encoded")).expect("written");
         let found = read(&path).expect("read");
         assert!((found.rgb[0][0] - 0.5).abs() < 0.005, "{:?}", found.rgb);
         assert_eq!(found.rgb[0][1..], [0.0, 0.0]);
         assert_eq!(found.rgb[1], [1.0, 1.0, 1.0]);
+    }
+
+    /// Chunks come in the order that the format asks for: colour before pixels.
+    #[test]
+    fn the_file_says_that_it_is_srgb() {
+        let image = Image::new(1, 1, vec![[0.5; 3]]).expect("a pixel");
+        let bytes = encode(&image, 0.0, &[("mlt.scene".into(), "größe".into())]).expect("encoded");
+        let place = |chunk: &[u8]| bytes.windows(4).position(|window| window == chunk);
+        let places = [b"IHDR", b"sRGB", b"gAMA", b"cHRM", b"iTXt", b"IDAT"].map(|chunk| place(chunk).expect("there"));
+        assert!(places[..4].iter().chain(&places[4..]).all(|&place| place <= places[5]), "{places:?}");
     }
 
     #[test]

@@ -1,37 +1,49 @@
 //! The image files of a render.
 
-use mlt_core::engine::Film;
+use mlt_core::{engine::Film, transport::render::Sums};
+use rayon::prelude::*;
 
-use super::{Plan, key::view, session::Finished};
+use super::{Features, Plan, exposure, session::Made};
 use crate::{
     Failure,
     args::{
         render::RenderOptions,
         written::{command_line, shell_word, written},
     },
+    denoise::{Denoiser, Guides},
     image::Image,
     kept,
-    output::{Format, OutputFile, atomic, exr, png},
+    output::{Channel, Format, Frame, OutputFile, Picture, exr},
     report::Report,
 };
 
 /// Writes all files, on the current rayon pool, and names them in the report. One that cannot be written does not stop the others.
-pub(crate) fn write(options: &RenderOptions, finished: Finished) -> Result<Report, Failure> {
-    let Finished { sums, about, mut report, per_pixel } = finished;
-    let attributes = attributes(options, &report, per_pixel)?;
+pub(crate) fn write(options: &RenderOptions, made: Made, sums: &Sums) -> Result<Report, Failure> {
+    let attributes = attributes(options, &made.report, made.per_pixel)?;
+    let Made { about, pilot, mut report, features: Features { channels, guides }, .. } = made;
     let save = |output: &OutputFile, bytes: anyhow::Result<Vec<u8>>| -> anyhow::Result<String> {
-        atomic::write(&output.path, &bytes?)?;
+        output.write(&bytes?)?;
+        tracing::info!("{} is written", output.path.display());
         Ok(output.path.display().to_string())
     };
     let (parts, images): (Vec<_>, Vec<_>) = options.targets().into_iter().partition(OutputFile::holds_sums);
-    let mut saved: Vec<_> = parts.iter().map(|output| save(output, kept::encode(&about, &sums))).collect();
+    let mut saved: Vec<_> =
+        parts.iter().map(|output| save(output, kept::encode(&about, pilot.as_deref(), sums))).collect();
     if !images.is_empty() {
-        let (image, stderr) = develop(sums.into_parts().0)?;
-        let encode = |output: &OutputFile| match output.format == Format::Exr {
-            true => exr::encode(&image, stderr.as_deref(), &attributes),
-            false => png::encode(&image, options.exposure),
-        };
-        saved.extend(images.iter().map(|output| save(output, encode(output))));
+        let with_errors = images.iter().any(|output| output.format == Format::Exr);
+        let (image, stderr) = develop(sums.film(), with_errors)?;
+        let shown = images.iter().any(|output| output.format.is_for_screens());
+        report.warnings.extend(shown.then(|| exposure::advice(&image, options.exposure)).flatten());
+        let frame = options.view.frame()?.unwrap_or(Frame::whole(&image));
+        let errors = stderr.iter().flat_map(|stderr| Channel::of_triples(exr::STDERR, stderr));
+        let channels = errors.chain(channels).collect();
+        let picture = Picture { image, channels, frame, attributes, exposure: options.exposure };
+        saved.par_extend(images.par_iter().map(|output| save(output, picture.encode(output.format))));
+        if let Some(guides) = guides {
+            let picture = denoised(picture, &guides)?;
+            let beside = images.iter().filter_map(OutputFile::denoised);
+            saved.extend(beside.map(|output| save(&output, picture.encode(output.format))));
+        }
     }
     let mut failure = None;
     for name in saved {
@@ -43,23 +55,32 @@ pub(crate) fn write(options: &RenderOptions, finished: Finished) -> Result<Repor
     failure.map_or(Ok(report), |error| Err(error.into()))
 }
 
+/// The picture with its noise filtered out, and marked as biased; its other channels are left out.
+fn denoised(picture: Picture, guides: &Guides) -> anyhow::Result<Picture> {
+    let (image, version) = Denoiser::load()?.denoise(&picture.image, guides)?;
+    let words =
+        format!("biased: filtered by Open Image Denoise {version}; b and errors are those of the image before it");
+    let mark = ("mlt.denoised".to_owned(), words);
+    let attributes = picture.attributes.into_iter().chain([mark]).collect();
+    Ok(Picture { image, channels: Vec::new(), attributes, ..picture })
+}
+
 /// Standard errors of the channels of all pixels.
 type Errors = Vec<[f32; 3]>;
 
-/// The image and its standard errors; `None` where one round tells nothing of them.
-pub(super) fn develop(mut film: Film<3>) -> anyhow::Result<(Image, Option<Errors>)> {
-    film.finish();
+/// The image and, if they are asked for, its standard errors; `None` where one round tells nothing of them.
+pub(super) fn develop(film: &Film<3>, with_errors: bool) -> anyhow::Result<(Image, Option<Errors>)> {
     let [width, height] = film.size().map(|n| n as usize);
     let image = Image::new(width, height, film.means())?;
     let errors = || film.standard_errors().into_iter().map(|e| e.map(|x| x as f32)).collect();
-    let stderr = (film.rounds() > 1).then(errors);
+    let stderr = (with_errors && film.rounds() > 1).then(errors);
     Ok((image, stderr))
 }
 
 /// The options that make the file again, and the figures of the render.
 fn attributes(options: &RenderOptions, report: &Report, per_pixel: f64) -> anyhow::Result<Vec<(String, String)>> {
     let transport = written(&report.transport)?;
-    let view = written(&view(options, [report.width, report.height]))?;
+    let view = written(&options.view)?;
     let command = [
         vec!["mlt render".to_owned(), shell_word(&report.scene), format!("--method={}", report.method)],
         command_line(&transport),

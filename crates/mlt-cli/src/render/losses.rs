@@ -16,13 +16,13 @@ pub(super) fn losses(film: &Film<3>, counts: &Counts, width: usize) -> Vec<Strin
     if lost.count > 0 {
         let sites: Vec<_> = lost.sites.iter().map(|&site| site as usize).collect();
         let pixels = pixels_of(&sites);
-        warnings.push(format!("{} contributions were not finite; they are left out (in {pixels})", lost.count));
+        warnings.push(format!("{} contributions were not finite; they are left out: look there for materials and lights of extreme values (in {pixels})", lost.count));
     }
     let clipped = clipped(film);
     if !clipped.is_empty() {
         let pixels = pixels_of(&clipped);
         warnings.push(format!(
-            "{} pixels are brighter than the film can hold: their values or errors are clipped ({pixels})",
+            "{} pixels are brighter than the film can hold: their values or errors are clipped; make the lamps seen there weaker ({pixels})",
             clipped.len()
         ));
     }
@@ -78,7 +78,7 @@ mod tests {
             film.close_round(film.rounds(), 1);
         }
         let warnings = losses(&film, &Counts::default(), 2);
-        assert!(warnings.len() == 1 && warnings[0].ends_with("clipped ((1, 1))"), "{warnings:?}");
+        assert!(warnings.len() == 1 && warnings[0].ends_with("weaker ((1, 1))"), "{warnings:?}");
         assert!(losses(&Film::new(4, 1.0), &Counts::default(), 2).is_empty());
     }
 
@@ -91,6 +91,11 @@ mod tests {
         }
         film.add(&[deposits]);
         let warnings = losses(&film, &Counts::default(), 3);
-        assert_eq!(warnings, ["3 contributions were not finite; they are left out (in (1, 0), (1, 1))"]);
+        assert_eq!(
+            warnings,
+            [
+                "3 contributions were not finite; they are left out: look there for materials and lights of extreme values (in (1, 0), (1, 1))"
+            ]
+        );
     }
 }

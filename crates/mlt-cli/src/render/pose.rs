@@ -4,7 +4,7 @@ use anyhow::{Context, anyhow};
 use glam::DVec3;
 use mlt_core::transport::scene::{CameraPose, Lens, SceneDescription};
 
-use crate::{Failure, args::render::RenderOptions, report::CameraUsed};
+use crate::{Failure, args::render::RenderOptions, provenance::CameraUsed};
 
 /// Opening angle where none is given, degrees.
 const USUAL_FOV: f32 = 40.0;
@@ -67,8 +67,9 @@ fn lens(options: &RenderOptions, pose: &CameraPose) -> anyhow::Result<Lens> {
         Lens::Thin { radius, focus, .. } => (Some(radius), Some(focus)),
         _ => (None, None),
     };
-    let aspect =
-        view.size.map_or(pose.aspect_ratio.map_or(1.0, f64::from), |size| size.width as f64 / size.height as f64);
+    let aspect = view
+        .given_size()
+        .map_or(pose.aspect_ratio.map_or(1.0, f64::from), |size| size.width as f64 / size.height as f64);
     let longer = 2.0 * libm::atan(aspect.max(1.0) * libm::tan(0.5 * f64::from(vertical_fov)));
     let radius = view.aperture.map(|aperture| aperture.radius(longer)).or(own_radius).filter(|&radius| radius > 0.0);
     let target = view.camera_from.zip(view.camera_to).map(|(from, to)| DVec3::from(from).distance(DVec3::from(to)));

@@ -1,23 +1,28 @@
 //! From options to a scene and a camera.
 
+use std::time::Instant;
+
 use anyhow::{Context, anyhow};
 use mlt_core::memory::Memory;
-use mlt_core::transport::scene::{Camera, CameraPose, Scene, SceneDescription, SurfaceName, UnusableScene};
-use mlt_scene::Loaded;
+use mlt_core::transport::scene::{
+    Camera, CameraPose, Scene, SceneDescription, SceneGeometry, SurfaceName, UnusableScene,
+};
+use mlt_scene::{Entry, Loaded};
+use tracing::info;
 
 use super::pose::pose;
 use crate::{
     Failure,
-    args::render::RenderOptions,
+    args::{crop::Window, render::RenderOptions, values::Size},
     memory,
-    report::{CameraUsed, Provenance},
+    provenance::{CameraUsed, Provenance},
     take_memory, warn_all,
 };
 
-/// Side of an image whose size is not given, pixels.
-const USUAL_SIDE: f64 = 512.0;
-/// Bytes a pixel: the film's sums and current round, the image, and the files in the making. 172 to 180 were measured.
-const BYTES_PER_PIXEL: u64 = 192;
+/// Bytes a pixel: the film's sums and current round, the image, and the files in the making.
+const BYTES_PER_PIXEL: u64 = 216;
+/// The same for further channels: as they are found, as they are kept, and in a file in the making.
+const BYTES_PER_PIXEL_FEATURES: u64 = 180;
 /// The same for sums that are read from a file or written to one.
 const BYTES_PER_PIXEL_KEPT: u64 = 320;
 
@@ -32,6 +37,12 @@ pub(crate) struct Setup {
     pub scene: Scene,
     /// Where it is seen from, with the image's size.
     pub camera: Camera,
+    /// Size of the image that this one is, or is a part of.
+    pub size: [u32; 2],
+    /// The same camera as its file or the options say it.
+    pub pose: CameraPose,
+    /// The nodes of its file.
+    pub outline: Vec<Entry>,
     /// The memory that the scene and the film leave for the rounds.
     pub memory: Memory,
 }
@@ -44,42 +55,77 @@ impl Setup {
 
     /// The same of a scene that is changed once it is loaded.
     pub(crate) fn edited(options: &RenderOptions, edit: impl FnOnce(&mut SceneDescription)) -> Result<Self, Failure> {
-        let memory = memory();
+        let (memory, start) = (memory(), Instant::now());
         let loaded = mlt_scene::open_within(&options.scene, &options.reading.load_options(), &memory);
         let mut loaded = loaded.map_err(|error| Failure::Usage(error.into()))?;
         edit(&mut loaded.description);
+        info!("{} is read after {:.3} s", options.scene.display(), start.elapsed().as_secs_f64());
+        Self::of(options, loaded, memory, None)
+    }
+
+    /// The same of a scene that is loaded, within what is left of its memory; `geometry`: of a scene before it, which may have the same.
+    pub(crate) fn of(
+        options: &RenderOptions,
+        mut loaded: Loaded,
+        memory: Memory,
+        geometry: Option<SceneGeometry>,
+    ) -> Result<Self, Failure> {
+        let start = Instant::now();
         let (digest, mut warnings) = (loaded.digest.clone(), std::mem::take(&mut loaded.warnings));
         if loaded.neutral_sky {
             let words = "nothing in the file gives light, so a neutral sky does";
             warnings.push(format!("{words}; --environment chooses another, or none"));
         }
-        let (scene, camera, used) = seen(options, loaded, &memory, &mut warnings)?;
+        let outline = std::mem::take(&mut loaded.outline);
+        let Seen { scene, camera, size, pose, used } = seen(options, loaded, (&memory, geometry), &mut warnings)?;
+        let (triangles, lights) = (scene.triangles(), scene.lights().lights.len());
+        info!("{triangles} triangles and {lights} lights are set up in {:.3} s", start.elapsed().as_secs_f64());
+        info!("camera {used}; {:?}", scene.needs());
         let provenance = Provenance { scene: options.scene.display().to_string(), camera: used, warnings };
-        Ok(Self { provenance, digest, scene, camera, memory })
+        Ok(Self { provenance, digest, scene, camera, size, pose, outline, memory })
     }
+}
+
+/// A scene and the camera that sees it.
+struct Seen {
+    scene: Scene,
+    camera: Camera,
+    size: [u32; 2],
+    pose: CameraPose,
+    used: CameraUsed,
+}
+
+/// Memory for an image and the files in the making, bytes.
+pub(crate) fn bytes_of_image(options: &RenderOptions, size: [u32; 2]) -> u64 {
+    let kept = if options.keeps_sums() { BYTES_PER_PIXEL_KEPT } else { 0 };
+    let features = if options.show.features() || options.show.denoise { BYTES_PER_PIXEL_FEATURES } else { 0 };
+    u64::from(size[0]) * u64::from(size[1]) * (BYTES_PER_PIXEL + kept + features)
 }
 
 /// The scene and the camera, and memory taken for the film.
 fn seen(
     options: &RenderOptions,
     loaded: Loaded,
-    memory: &Memory,
+    (memory, geometry): (&Memory, Option<SceneGeometry>),
     warnings: &mut Vec<String>,
-) -> Result<(Scene, Camera, CameraUsed), Failure> {
+) -> Result<Seen, Failure> {
     let framed = options.view.camera_from.is_none() && loaded.description.cameras.is_empty();
     let framing = || mlt_scene::bounds(&loaded.description).map(mlt_scene::camera_framing);
     let (pose, used) = pose(options, &loaded.description, framing)?;
-    let size = size(options, &pose);
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let kept = if options.keeps_sums() { BYTES_PER_PIXEL_KEPT } else { 0 };
-    take_memory(memory, pixels * (BYTES_PER_PIXEL + kept), &format!("an image of {}x{}", size[0], size[1]))?;
-    let scene = Scene::new(loaded.description);
+    let Size { width, height } = options.view.size_for(pose.aspect_ratio.map_or(1.0, f64::from));
+    let size = [width as u32, height as u32];
+    let whole = Window { corner: [0, 0], size };
+    let window = options.view.crop.map_or(Ok(whole), |crop| crop.window(size)).map_err(Failure::Usage)?;
+    let [width, height] = window.size;
+    take_memory(memory, bytes_of_image(options, window.size), &format!("an image of {width}x{height}"))?;
+    let scene = Scene::with_geometry(loaded.description, geometry);
     // What was left out may be why it fails.
     let scene = scene
         .map_err(unusable)
         .with_context(|| options.scene.display().to_string())
         .inspect_err(|_| warn_all(warnings))?;
     let camera = scene.camera(&pose, size);
+    let camera = if window == whole { camera } else { camera.part(window.corner, window.size) };
     if scene.dropped() > 0 {
         warnings.push(format!("{} triangles have a corner that is not finite; they are left out", scene.dropped()));
     }
@@ -88,7 +134,7 @@ fn seen(
         let words = "no camera in the file can be used, so the scene is framed whole";
         warnings.push(format!("{words}; --camera-from and --camera-to choose a view"));
     }
-    Ok((scene, camera, used))
+    Ok(Seen { scene, camera, size, pose, used })
 }
 
 /// The error for a scene that cannot be rendered, with a word on how a file comes by its lights.
@@ -116,16 +162,4 @@ fn overlaps(pairs: &[[SurfaceName; 2]]) -> Vec<String> {
     let more = pairs.len().saturating_sub(NAMED);
     let rest = (more > 0).then(|| format!("{more} more pairs of meshes overlap in one plane, a light among each"));
     pairs.iter().take(NAMED).map(sentence).chain(rest).collect()
-}
-
-/// The size asked for, or one of the camera's aspect ratio.
-fn size(options: &RenderOptions, pose: &CameraPose) -> [u32; 2] {
-    match options.view.size {
-        Some(size) => [size.width as u32, size.height as u32],
-        None => {
-            let aspect = f64::from(pose.aspect_ratio.unwrap_or(1.0)).clamp(1.0 / 16.0, 16.0);
-            let (width, height) = (USUAL_SIDE * aspect.min(1.0), USUAL_SIDE / aspect.max(1.0));
-            [width, height].map(|side| side.round() as u32)
-        }
-    }
 }

@@ -10,7 +10,8 @@ use mlt_core::transport::scene::Needs;
 use super::{Setup, blocks::Blocks, losses::losses, trust::trust};
 use crate::{
     args::{render::RenderOptions, transport::Method},
-    report::{Acceptance, Agreement, Provenance, Report, StratumReport},
+    provenance::Provenance,
+    report::{Acceptance, Agreement, Report, StratumReport},
 };
 
 /// The report, but for times, files and what only the session knows.
@@ -88,7 +89,7 @@ fn stratum(stats: &StratumStats) -> StratumReport {
 /// Options of chains for a method that has none.
 fn without_effect(options: &RenderOptions) -> Option<String> {
     let method = options.method();
-    let ignored = matches!(method, Method::Pt | Method::Bdpt) && options.transport.ask_for_chains();
+    let ignored = matches!(method, Method::Pt | Method::Bdpt) && options.transport.change_chains();
     ignored.then(|| {
         format!(
             "{method} has no chains: --strata, --weights, --variant, --perturbations and --importance have no effect; \
@@ -122,11 +123,17 @@ fn warnings(film: &Film<3>) -> Vec<String> {
     };
     let dark = (0..film.sites() as usize).all(|i| film.pixel(i).iter().all(|channel| channel.mean == 0.0));
     let rounds = film.rounds();
-    warn(rounds == 1, format!("one round says nothing of its error; take {TRUSTED_ROUNDS} or more to know it"));
+    warn(
+        rounds == 1,
+        format!(
+            "one round says nothing of its error; take {TRUSTED_ROUNDS} or more to know it, as by --rounds {TRUSTED_ROUNDS}"
+        ),
+    );
     warn(
         (2..TRUSTED_ROUNDS).contains(&rounds),
         format!("the error is estimated from {rounds} rounds only; take {TRUSTED_ROUNDS} or more to trust it"),
     );
-    warn(dark, "the image is black: no path from a light to the camera was found".into());
+    warn(dark, "the image is black: no path from a light to the camera was found; see what the camera looks at and which lights \
+         count by 'mlt inspect', or add --environment sky".into());
     warnings
 }

@@ -1,8 +1,6 @@
 //! Report of a render.
 
-mod camera;
 mod decision;
-mod provenance;
 mod trust;
 
 use std::{collections::BTreeMap, fmt};
@@ -15,11 +13,10 @@ use crate::{
     args::values::Strata,
     kept::Spent,
     progress::short,
+    provenance::CameraUsed,
 };
 
-pub use camera::CameraUsed;
 pub use decision::{Decision, Part};
-pub use provenance::Provenance;
 pub use trust::Trust;
 
 /// JSON has no infinity and no NaN.
@@ -126,7 +123,7 @@ impl Agreement {
         (*effective_samples < FEW_SAMPLES).then(|| {
             format!(
                 "rounds disagree (R-hat {r_hat:.2}) in column {} of {columns}, row {} of {rows}, of the image: they are worth \
-                 {effective_samples:.0} independent samples there; take more or longer rounds",
+                 {effective_samples:.0} independent samples there; render longer, or by another --method",
                 x + 1,
                 y + 1
             )

@@ -20,7 +20,7 @@ use super::{
 use crate::{
     Failure,
     args::{contestant::Contestant, environment::Source, transport::Method, verify::VerifyOptions},
-    output::atomic,
+    atomic,
 };
 
 /// The verdict on a scene and method, with what decides it.

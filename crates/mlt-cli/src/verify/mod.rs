@@ -3,6 +3,7 @@
 //! Many short, independent renders of a method and of one that it shares little code with, and what can be told from them.
 //! See docs/verify.md.
 
+mod advice;
 pub mod bias;
 pub mod chains;
 pub mod choice;

@@ -23,6 +23,7 @@ impl Verdict {
         }
         let warned = |(warning, count): (&String, &usize)| format!("  warned {count} times   {warning}");
         lines.extend(self.warnings.iter().map(warned));
+        lines.push(format!("  so do this        {}", self.advice()));
         lines.join("\n") + "\n"
     }
 }

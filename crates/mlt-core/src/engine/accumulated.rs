@@ -1,7 +1,7 @@
 //! Sums of rounds: all that has to outlive a process.
 
 use super::bytes::{put_list, put_text};
-use super::{Counted, DecodeError, Film, MergeError, Reader, Rounds};
+use super::{Counted, DecodeError, Film, MergeError, Reader, Rounds, sealed, unsealed};
 
 /// First bytes of the format.
 const MAGIC: [u8; 8] = *b"mlt-sums";
@@ -58,6 +58,11 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         (self.film, self.tally)
     }
 
+    /// Frees the memory of the round that is being made; no more are.
+    pub fn finish(&mut self) {
+        self.film.finish();
+    }
+
     /// Forgets all rounds, and keeps the film's memory.
     pub fn clear(&mut self) {
         self.film.clear();
@@ -70,7 +75,7 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
     ///
     /// Changes nothing if the keys differ, if the films do, or if both parts hold a round.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
-        if let Some(difference) = self.difference(other) {
+        if let Some(difference) = key_difference(&self.key, &other.key) {
             return Err(difference);
         }
         self.film.merge(&other.film)?;
@@ -78,29 +83,14 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         Ok(())
     }
 
-    /// The first entry of the keys that differs.
-    fn difference(&self, other: &Self) -> Option<MergeError> {
-        let value = |key: &Key, name: &str| {
-            key.iter().find(|(other, _)| other == name).map_or_else(|| "missing".into(), |(_, value)| value.clone())
-        };
-        let names = self.key.iter().chain(&other.key).map(|(name, _)| name);
-        let differing = names.map(|name| (name, [value(&self.key, name), value(&other.key, name)]));
-        let first = differing.into_iter().find(|(_, [a, b])| a != b);
-        first.map(|(name, values)| MergeError::Key { name: name.clone(), values })
-    }
-
     /// All of it but the round that is being made: the same bytes for the same rounds.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = MAGIC.to_vec();
-        [VERSION, C as u32].into_iter().for_each(|number| bytes.extend(number.to_le_bytes()));
-        put_list(&mut bytes, &self.key, |to, (name, value)| {
-            [name, value].into_iter().for_each(|text| put_text(to, text))
-        });
-        self.film.write(&mut bytes);
-        self.tally.write(&mut bytes);
-        let sum = checksum(&bytes);
-        bytes.extend(sum);
-        bytes
+        sealed(MAGIC, VERSION, |bytes| {
+            bytes.extend((C as u32).to_le_bytes());
+            put_key(bytes, &self.key);
+            self.film.write(bytes);
+            self.tally.write(bytes);
+        })
     }
 
     /// Reads what [`to_bytes`](Self::to_bytes) has made, from wherever it comes: no bytes make it panic, or take much more memory
@@ -110,37 +100,44 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
     ///
     /// If they are of something else, of another version, or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, DecodeError> {
-        let mut from = Reader::new(bytes);
-        if from.bytes() != Ok(MAGIC) {
-            return Err(DecodeError::Foreign);
-        }
-        let version = from.bytes().map(u32::from_le_bytes)?;
-        if version != VERSION {
-            return Err(DecodeError::Version(version));
-        }
-        let (content, sum) = bytes.split_last_chunk().ok_or(DecodeError::Damaged)?;
-        if checksum(content) != *sum {
-            return Err(DecodeError::Damaged);
-        }
-        let channels = from.bytes().map(u32::from_le_bytes)?;
-        if channels != C as u32 {
-            return Err(DecodeError::Channels(channels));
-        }
-        let key = from.list(|from| Ok((from.text()?, from.text()?)))?;
-        let accumulated = Self { key, film: Film::read(&mut from)?, tally: T::read(&mut from)? };
-        from.bytes::<{ blake3::OUT_LEN }>()?;
-        if from.is_empty() { Ok(accumulated) } else { Err(DecodeError::Damaged) }
+        unsealed(bytes, MAGIC, VERSION, |from| {
+            let channels = from.bytes().map(u32::from_le_bytes)?;
+            if channels != C as u32 {
+                return Err(DecodeError::Channels(channels));
+            }
+            Ok(Self { key: read_key(from)?, film: Film::read(from)?, tally: T::read(from)? })
+        })
     }
 }
 
-/// Tells bytes that were changed. It is no protection against intent: whoever changes them can make another.
-fn checksum(bytes: &[u8]) -> [u8; blake3::OUT_LEN] {
-    *blake3::hash(bytes).as_bytes()
+/// The first entry that differs, if two keys are not of one render.
+pub fn key_difference(a: &Key, b: &Key) -> Option<MergeError> {
+    let value = |key: &Key, name: &str| {
+        key.iter().find(|(other, _)| other == name).map_or_else(|| "missing".into(), |(_, value)| value.clone())
+    };
+    let differing = a.iter().chain(b).map(|(name, _)| (name, [value(a, name), value(b, name)]));
+    let first = differing.into_iter().find(|(_, [a, b])| a != b);
+    first.map(|(name, values)| MergeError::Key { name: name.clone(), values })
+}
+
+/// Appends a key to bytes.
+pub fn put_key(to: &mut Vec<u8>, key: &Key) {
+    put_list(to, key, |to, (name, value)| [name, value].into_iter().for_each(|text| put_text(to, text)));
+}
+
+/// Reads what [`put_key`] has written.
+///
+/// # Errors
+///
+/// If the bytes were not written by it.
+pub fn read_key(from: &mut Reader) -> Result<Key, DecodeError> {
+    from.list(|from| Ok((from.text()?, from.text()?)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::sealed::checksum;
     use crate::engine::{Metropolis, Mixture, Mutation, Path, Share, Splat, Stratum, Tally, render, uniform};
     use rand_pcg::rand_core::Rng;
     use std::ops::{ControlFlow, Range};
@@ -271,7 +268,7 @@ mod tests {
             other[8] = number;
             Part::from_bytes(&other).err()
         };
-        assert_eq!(version(2), Some(DecodeError::Version(2)));
+        assert_eq!(version(9), Some(DecodeError::Version(9)));
         assert_eq!(Part::from_bytes(b"not ours").err(), Some(DecodeError::Foreign));
     }
 

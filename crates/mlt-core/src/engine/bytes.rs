@@ -23,7 +23,7 @@ impl Error for DecodeError {}
 impl fmt::Display for DecodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Foreign => f.write_str("these bytes hold no accumulated rounds"),
+            Self::Foreign => f.write_str("these bytes hold something else"),
             Self::Version(version) => {
                 write!(f, "version {version} of the format is not known; use the program that wrote it")
             }
@@ -86,8 +86,19 @@ impl<'a> Reader<'a> {
     ///
     /// If it is none.
     pub fn text(&mut self) -> Result<String, DecodeError> {
-        let bytes = self.list(|reader| reader.bytes::<1>().map(|[byte]| byte))?;
-        String::from_utf8(bytes).map_err(|_| DecodeError::Damaged)
+        String::from_utf8(self.chunk()?.to_vec()).map_err(|_| DecodeError::Damaged)
+    }
+
+    /// Bytes behind their number.
+    ///
+    /// # Errors
+    ///
+    /// If there are not as many.
+    pub fn chunk(&mut self) -> Result<&'a [u8], DecodeError> {
+        let length = usize::try_from(self.number()?).map_err(|_| DecodeError::Damaged)?;
+        let (chunk, rest) = self.0.split_at_checked(length).ok_or(DecodeError::Damaged)?;
+        self.0 = rest;
+        Ok(chunk)
     }
 
     /// Refuses to go on where so many bytes are not left: memory is taken only for what is there.
@@ -153,7 +164,13 @@ pub fn put_list<T>(to: &mut Vec<u8>, items: &[T], mut item: impl FnMut(&mut Vec<
 
 /// Appends a text.
 pub fn put_text(to: &mut Vec<u8>, text: &str) {
-    put_list(to, text.as_bytes(), |to, byte| to.push(*byte));
+    put_chunk(to, text.as_bytes());
+}
+
+/// Appends bytes behind their number.
+pub fn put_chunk(to: &mut Vec<u8>, bytes: &[u8]) {
+    put(to, bytes.len() as u64);
+    to.extend(bytes);
 }
 
 impl Rounds {

@@ -31,6 +31,8 @@ pub struct Standing {
     pub error: Option<f64>,
     /// Share of the limit that is nearest, in [0, 1]. Errors fall as one over the square root of the work.
     pub share: f64,
+    /// Time until the limit that is nearest, if it is known: see [`Ending::left`].
+    pub left: Option<Duration>,
 }
 
 /// A render that makes rounds until its limits are reached.
@@ -93,7 +95,9 @@ impl<const C: usize> Ending<C> {
                 error = Some(sums.film().relative_error(self.weights)).filter(|error| error.is_finite());
             }
             let done = rounds as f64 + at.fraction;
-            observe(Standing { rounds: done, error, share: self.share(done, error) }, sums)?;
+            let made = done - held as f64;
+            let left = self.left(done, error, since.elapsed().div_f64(made.max(f64::MIN_POSITIVE)));
+            observe(Standing { rounds: done, error, share: self.share(done, error), left }, sums)?;
             if at_end { self.reached(rounds, error) } else { ControlFlow::Continue(()) }
         };
         loop {
@@ -132,8 +136,21 @@ impl<const C: usize> Ending<C> {
     fn share(&self, done: f64, error: Option<f64>) -> f64 {
         let rounds = self.limits.rounds.map_or(0.0, |rounds| done / rounds as f64);
         let time = self.limits.time.map_or(0.0, |time| self.start.elapsed().as_secs_f64() / time.as_secs_f64());
-        let error = self.limits.error.zip(error).map_or(0.0, |(target, error)| (target / error).powi(2));
+        let trusted = done / TRUSTED_ROUNDS as f64;
+        let error = self.limits.error.zip(error).map_or(0.0, |(target, error)| (target / error).powi(2).min(trusted));
         rounds.max(time).max(error).min(1.0)
+    }
+
+    /// Time until the limit that is nearest, after `done` rounds of which each took the time `round`: what is left of the clock; the
+    /// rounds that are to come; or those that bring the error e down to the target t, done · (e/t)² in all, for errors fall as one
+    /// over the square root of the work. `None` where the limits do not tell, as of an error that is not known yet.
+    pub fn left(&self, done: f64, error: Option<f64>, round: Duration) -> Option<Duration> {
+        let clock = self.limits.time.map(|time| time.saturating_sub(self.start.elapsed()));
+        let of_error = |(target, error): (f64, f64)| (done * (error / target).powi(2)).max(TRUSTED_ROUNDS as f64);
+        let rounds = self.limits.rounds.map(|rounds| rounds as f64);
+        let last = rounds.into_iter().chain(self.limits.error.zip(error).map(of_error)).reduce(f64::min);
+        let work = last.and_then(|last| Duration::try_from_secs_f64(round.as_secs_f64() * (last - done).max(0.0)).ok());
+        clock.into_iter().chain(work).min()
     }
 
     /// Breaks where the error ends the render.
@@ -193,6 +210,25 @@ mod tests {
         let limits = Limits { rounds: Some(9), ..Limits::default() };
         assert_eq!(made(limits, &[], |_| 1.0), (Outcome::Complete, "2 to 10".into()));
         assert_eq!(made(limits, &[3..5, 8..9], |_| 1.0), (Outcome::Complete, "2 to 10".into()));
+    }
+
+    /// After 16 of 64 rounds of 2 s: 96 s of rounds, 12 s of the clock, and for half of the error three times what was done.
+    #[test]
+    fn the_time_left_is_that_of_the_nearest_limit() {
+        let rounds = Limits { rounds: Some(64), ..Limits::default() };
+        let time = Limits { time: Some(Duration::from_secs(20)), ..Limits::default() };
+        let error = Limits { error: Some(0.01), ..Limits::default() };
+        let left = |limits, error| {
+            let left = ending(limits, 8).left(16.0, error, Duration::from_secs(2));
+            left.map(|left| left.as_secs_f64().round())
+        };
+        assert_eq!(left(rounds, None), Some(96.0));
+        assert_eq!(left(time, None), Some(12.0));
+        assert_eq!((left(error, None), left(error, Some(0.02))), (None, Some(96.0)));
+        assert_eq!(left(Limits { time: time.time, ..error }, Some(0.02)), Some(12.0));
+        // Eight rounds are made at least.
+        assert_eq!(ending(error, 0).share(2.0, Some(1e-3)), 0.25);
+        assert_eq!(ending(error, 0).left(2.0, Some(1e-3), Duration::from_secs(1)), Some(Duration::from_secs(6)));
     }
 
     #[test]

@@ -172,13 +172,18 @@ impl<const C: usize> Film<C> {
         Ok(())
     }
 
-    /// Appends the sums to bytes: the same bytes for the same rounds. The current round is left out.
+    /// Appends the sums to bytes, on the current rayon pool: the same bytes for the same rounds. The current round is left out.
     pub(super) fn write(&self, to: &mut Vec<u8>) {
         let [width, height] = self.size.map(u64::from);
         [width, height, self.unit.to_bits(), self.weight, self.lost.count].into_iter().for_each(|x| put(to, x));
         put_list(to, &self.lost.sites, |to, site| put(to, u64::from(*site)));
         self.rounds.write(to);
-        self.sums.iter().flatten().for_each(|sums| sums.write(to));
+        let first = to.len();
+        to.resize(first + self.sums.len() * C * Sums::BYTES, 0);
+        let sites = to[first..].par_chunks_exact_mut(C * Sums::BYTES).zip(&self.sums);
+        sites.for_each(|(to, sums)| {
+            to.chunks_exact_mut(Sums::BYTES).zip(sums).for_each(|(to, sums)| to.copy_from_slice(&sums.to_bytes()))
+        });
         self.whole.write(to);
         self.blocks.write(to);
     }
@@ -189,7 +194,7 @@ impl<const C: usize> Film<C> {
         let size = [side()?, side()?];
         let sites = size[0].checked_mul(size[1]).ok_or(DecodeError::Damaged)?;
         let [unit, weight, lost] = [from.number()?, from.number()?, from.number()?];
-        from.expect(u64::from(sites) * C as u64 * size_of::<Sums>() as u64)?;
+        from.expect(u64::from(sites) * C as u64 * Sums::BYTES as u64)?;
         let mut film = Self::of_image(size, f64::from_bits(unit));
         if film.unit.to_bits() != unit {
             return Err(DecodeError::Damaged);

@@ -111,7 +111,8 @@ where
             (0..share.samples).step_by(BOOTSTRAP_BLOCK as usize).map(move |first| (j, first))
         };
         let blocks: Vec<_> = self.strata.iter().enumerate().flat_map(first_samples).collect();
-        let weigh = |&(j, first): &(usize, u64)| watch.unless_stopped(|| self.weigh(round, j, first));
+        let pieces = watch.pieces(blocks.len());
+        let weigh = |&(j, first): &(usize, u64)| pieces.unless_stopped(|| self.weigh(round, j, first));
         let mut weighed = blocks.par_iter().map(weigh).collect::<Option<Vec<_>>>()?.into_iter();
         let gather = |(_, share): &(S, Share)| {
             let blocks = share.samples.div_ceil(BOOTSTRAP_BLOCK) as usize;

@@ -79,6 +79,9 @@ pub struct Piloted {
     pub tally: Tally,
 }
 
+/// Share of a pilot round that its independent samples take, about: for those who watch it.
+const SHARE_OF_STARTS: f64 = 0.3;
+
 /// Visits of a stratum's chains in one round to one site, as a share of all: deposits over b̂_j.
 #[derive(Clone, Copy)]
 struct Visits {
@@ -167,16 +170,20 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
     {
         let (mut tally, mut visits) = (Tally::default(), Vec::new());
         visits.resize_with(self.strata.len(), Vec::new);
-        for round in rounds {
-            let prepared = self.prepared(round, watch)?;
+        let count = rounds.end.saturating_sub(rounds.start);
+        for (made, round) in (0..count).zip(rounds) {
+            let watch = watch.part(made as f64 / count as f64, (made + 1) as f64 / count as f64);
+            let prepared = self.prepared(round, watch.part(0.0, SHARE_OF_STARTS))?;
+            let tasks = self.tasks(&prepared);
+            let pieces = watch.part(SHARE_OF_STARTS, 1.0).pieces(tasks);
             let run = |task| {
-                watch.unless_stopped(|| {
+                pieces.unless_stopped(|| {
                     let mut deposits = Deposits::new(sites, 31);
                     (self.run(&prepared, task, &mut deposits), deposits.sums())
                 })
             };
-            let tasks = (0..self.tasks(&prepared)).into_par_iter();
-            let (tallies, sums): (Vec<_>, Vec<_>) = tasks.map(run).collect::<Option<Vec<_>>>()?.into_iter().unzip();
+            let ran = (0..tasks).into_par_iter().map(run).collect::<Option<Vec<_>>>()?;
+            let (tallies, sums): (Vec<_>, Vec<_>) = ran.into_iter().unzip();
             for (task, sums) in sums.into_iter().enumerate() {
                 let (stratum, b) = prepared.chain(task);
                 visits[stratum].extend(sums.into_iter().map(|(site, sum)| Visits { site, round, share: sum / b }));

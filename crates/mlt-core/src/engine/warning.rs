@@ -79,7 +79,7 @@ const COUNTED: [Counted; 5] = [
     Counted {
         kind: WarningKind::RefusedStarts,
         of: |stats| stats.refused_starts,
-        sentence: "chains could not start; what they would have added is missing",
+        sentence: "chains could not start; what they would have added is missing: render longer, or by another method",
     },
     Counted {
         kind: WarningKind::ChangedStarts,
@@ -125,7 +125,10 @@ fn non_finite(tally: &Tally) -> Option<Warning> {
         tally.mutations.iter().enumerate().filter(|(k, _)| by_mutation(*k)).map(|(_, name)| &**name).collect();
     makers.extend(tally.strata.iter().any(|s| s.non_finite_samples > 0).then_some("independent samples"));
     counted(tally, WarningKind::NonFinite, non_finite, |paths| {
-        format!("{paths} paths, made by {}, had an importance that is not finite; they are left out", makers.join(", "))
+        format!(
+            "{paths} paths, made by {}, had an importance that is not finite; they are left out: look for materials and lights of extreme values",
+            makers.join(", ")
+        )
     })
 }
 

@@ -85,6 +85,11 @@ impl<'a> Strided<'a> {
 }
 
 impl<'a> Reader<'a> {
+    /// The document.
+    pub(super) fn document(&self) -> &'a Document {
+        self.document
+    }
+
     /// A reader of the document's buffers.
     pub(super) fn new(source: &'a Source<'a>, parsed: &'a Parsed, buffers: &'a Buffers<'a>) -> Self {
         Self { source, document: &parsed.document, buffers, vectors: HashMap::new() }

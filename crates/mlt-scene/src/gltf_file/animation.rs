@@ -65,7 +65,7 @@ impl Pose {
             }
         }
         if unusable > 0 {
-            warnings.push(format!("{unusable} channels of animations cannot be used; what they move stays at rest"));
+            warnings.push(format!("{unusable} channels of animations cannot be used; what they move stays at rest: bake the animation before the export"));
         }
         Ok(pose)
     }

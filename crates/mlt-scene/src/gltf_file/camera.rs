@@ -17,7 +17,7 @@ pub(super) fn poses(shown: &[Placed], others: &[Placed], warnings: &mut Vec<Stri
     let outside = among(others, &mut Vec::new());
     if let (true, Some(taken)) = (cameras.is_empty(), outside.first()) {
         let name = text::shown(&taken.name);
-        warnings.push(format!("the scene that is shown has no camera; `{name}`, which stands outside of it, is taken"));
+        warnings.push(format!("the scene that is shown has no camera; `{name}`, which stands outside of it, is taken; --camera chooses another"));
     }
     cameras.extend(outside);
     cameras
@@ -34,12 +34,16 @@ fn pose(camera: &Camera, node: &Node, to_world: &DMat4, warnings: &mut Vec<Strin
     let seeing = lens(camera, node);
     let Some((lens, aspect_ratio)) = seeing.filter(|_| stands) else {
         warnings.push(format!(
-            "{place}: the camera's transform, field of view or size is degenerate; it is left out, and the view is another"
+            "{place}: the camera's transform, field of view or size is degenerate; it is left out, and the view is another: mend \
+             it, or choose a view by --camera-from and --camera-to"
         ));
         return None;
     };
     if to_world.determinant() < 0.0 {
-        warnings.push(format!("{place}: the camera's mirroring transform is not supported; the image is not mirrored"));
+        warnings.push(format!(
+            "{place}: the camera's mirroring transform is not supported; the image is not mirrored: give the \
+             camera a positive scale (Blender: Object > Apply > Scale)"
+        ));
     }
     Some(CameraPose {
         name: camera.name().or(node.name()).map_or_else(|| format!("camera {}", camera.index()), str::to_owned),

@@ -121,7 +121,8 @@ fn light(
     let sound = position.is_finite() && directed && emission.is_finite() && emission.min_element() >= 0.0;
     if !sound {
         warnings.push(format!(
-            "{}: the light's transform, colour or intensity is not one that a light can have; it is left out",
+            "{}: the light's transform, colour or intensity is not one that a light can have; it is left out: give it \
+             a power of 0 or more and a scale that is not 0",
             place(node)
         ));
         return None;

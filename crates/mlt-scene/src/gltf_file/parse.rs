@@ -23,6 +23,7 @@ pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 const BYTES_PER_OBJECT: u64 = 512;
 
 /// A glTF file.
+#[derive(Debug)]
 pub(super) struct Parsed {
     /// Its JSON, parsed.
     pub document: Document,

@@ -51,7 +51,7 @@ pub(super) fn mesh(
 ) -> Result<Option<Mesh>, SceneError> {
     let place = format!("{}, primitive {}", place(node), primitive.index());
     let Some(positions) = primitive.get(&Semantic::Positions) else {
-        warnings.push(format!("{place}: there are no positions; it is left out"));
+        warnings.push(format!("{place}: there are no positions; it is left out: export the mesh again"));
         return Ok(None);
     };
     check_compression(reader, primitive, &positions)?;
@@ -59,7 +59,7 @@ pub(super) fn mesh(
     let vertices = &Vertices::read(reader, primitive, positions, standing, (&place, warnings))?;
     let corners = corners(reader, primitive, vertices.count(), &place)?;
     let Some(mut triangles) = triangles(primitive.mode(), &corners) else {
-        warnings.push(format!("{place}: points and lines are not supported; they are left out"));
+        warnings.push(format!("{place}: points and lines are not supported; they are left out: make meshes of them (Blender: Object > Convert > Mesh)"));
         return Ok(None);
     };
     let mirrored = corners.first().is_some_and(|&first| vertices.linear(first).determinant() < 0.0);

@@ -62,7 +62,10 @@ pub(super) fn joints(
     let joints = skin.map(|skin| skin.joints.iter().enumerate().map(|(i, joint)| matrix(i, joint.value())).collect());
     let joints: Option<Vec<_>> = joints.flatten().filter(|joints: &Vec<DMat4>| !joints.is_empty());
     if joints.is_none() {
-        warnings.push(format!("{}: its skin has joints that are not there; it is left out", place(node)));
+        warnings.push(format!(
+            "{}: its skin has joints that are not there; it is left out: export the armature with its mesh",
+            place(node)
+        ));
     }
     Ok(joints)
 }
@@ -78,7 +81,7 @@ impl<'a, 's> Vertices<'a, 's> {
     ) -> Result<Self, SceneError> {
         let mut normals = primitive.get(&Semantic::Normals).map(|a| reader.vectors(&a)).transpose()?;
         if normals.as_ref().is_some_and(|n| n.count() != positions.count()) {
-            warnings.push(format!("{named}: there are not as many normals as positions; they are left out"));
+            warnings.push(format!("{named}: there are not as many normals as positions; they are left out, so faces look flat: export the normals again"));
             normals = None;
         }
         let mut targets = Vec::new();
@@ -96,7 +99,7 @@ impl<'a, 's> Vertices<'a, 's> {
             let Some((numbers, weights)) = accessors else { break };
             let both = [reader.any_vectors(&numbers)?, reader.any_vectors(&weights)?];
             if both.iter().any(|found| found.count() != positions.count() || found.components() != 4) {
-                warnings.push(format!("{named}: there are not as many joints as positions; they are left out"));
+                warnings.push(format!("{named}: there are not as many joints as positions; they are left out, so the mesh stands at rest: export it again"));
                 break;
             }
             joints.push(both);

@@ -55,14 +55,21 @@ pub(super) fn in_document(document: &Document, animated: bool) -> Vec<String> {
         .extensions_used()
         .filter(|name| !KNOWN.contains(name) && !named_elsewhere.contains(*name))
         .map(|name| {
-            let remedy = if is_environment(name) { "; --environment FILE gives the scene its image" } else { "" };
-            format!("the extension {} is not supported; what it says is left out{remedy}", shown(name))
+            let remedy = match is_environment(name) {
+                true => "--environment FILE gives the scene its image",
+                false => "if the image lacks it, export without it",
+            };
+            format!("the extension {} is not supported; what it says is left out: {remedy}", shown(name))
         })
         .collect();
     match (document.animations().len() > 0, animated) {
         (true, false) => warnings
             .push("the file is animated and shown as it stands at rest; --time-in-animation chooses a time".to_owned()),
-        (false, true) => warnings.push("the file has no animation that can be read, and is shown at rest".to_owned()),
+        (false, true) => warnings.push(
+            "the file has no animation that can be read, and is shown at rest; export it with animations, or leave \
+             --time-in-animation out"
+                .to_owned(),
+        ),
         _ => {}
     }
     warnings
@@ -97,6 +104,11 @@ pub(super) fn is_unlit(material: &Material) -> bool {
     material.extension_value(UNLIT).is_some()
 }
 
+/// Whether a material may give light.
+pub(super) fn emits(material: &Material) -> bool {
+    material.emissive_factor() != [0.0; 3] || is_unlit(material)
+}
+
 /// Of a material whose volume has no thickness.
 pub(super) fn in_volume(material: &Material) -> Option<String> {
     let thin = material.volume().is_some_and(|volume| volume.thickness_factor() <= 0.0);
@@ -118,5 +130,6 @@ fn place_of(material: &Material) -> String {
 }
 
 fn sentence(place: &str, features: Vec<String>) -> Option<String> {
-    (!features.is_empty()).then(|| format!("{place}: not supported and left out: {}", features.join(", ")))
+    let remedy = "if the image lacks it, bake it into base colour, roughness or emission";
+    (!features.is_empty()).then(|| format!("{place}: not supported and left out: {}; {remedy}", features.join(", ")))
 }

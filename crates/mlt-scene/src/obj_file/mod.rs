@@ -10,6 +10,7 @@ mod texture;
 use crate::{
     LoadOptions, Loaded, SceneError,
     geometry::{Attributes, GeometrySize, RawMesh},
+    outline::{self, Entry},
     source::Source,
     text::shown,
 };
@@ -47,7 +48,17 @@ pub(crate) fn load(source: &Source, options: &LoadOptions) -> Result<Loaded, Sce
     })?;
     let description = describe(source, models, &library, &mut warnings)?;
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Loaded { name, description, warnings, digest: source.digest(), neutral_sky: false })
+    let outline = outline(&description);
+    Ok(Loaded { name, description, outline, warnings, digest: source.digest(), neutral_sky: false })
+}
+
+/// Its meshes.
+fn outline(scene: &SceneDescription) -> Vec<Entry> {
+    let entry = |mesh: &Mesh| {
+        let material = shown(&scene.materials[mesh.material as usize].name);
+        Entry { depth: 0, name: mesh.name.clone(), parts: vec![outline::mesh(mesh.triangles.len(), &[material], 1)] }
+    };
+    scene.meshes.iter().map(entry).collect()
 }
 
 fn parse(source: &Source, reduced: &Reduced, library: &Library) -> Result<Vec<tobj::Model>, SceneError> {

@@ -23,8 +23,8 @@ pub(super) struct BinaryNode {
 /// Content of a binary node.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Content {
-    /// One triangle, as an index into the caller's array.
-    Triangle(u32),
+    /// One triangle or copy, as an index into the caller's array.
+    Leaf(u32),
     /// Two nodes, at this index and the next.
     Children(u32),
 }
@@ -95,18 +95,23 @@ fn is_crowded(boxes: &[Aabb]) -> bool {
 }
 
 /// A binary tree over the triangles that `indices` names; empty if it names none.
+pub(super) fn build(triangles: &[[Vec3; 3]], indices: &[u32], quality: Quality) -> Vec<BinaryNode> {
+    let boxes: Vec<_> = indices.par_iter().map(|&i| bounds(&triangles[i as usize])).collect();
+    over_boxes(&boxes, indices, quality)
+}
+
+/// A binary tree over boxes of what `indices` names.
 ///
 /// Source of the moves: [MeisterBittner18a].
-pub(super) fn build(triangles: &[[Vec3; 3]], indices: &[u32], quality: Quality) -> Vec<BinaryNode> {
+pub(super) fn over_boxes(boxes: &[Aabb], indices: &[u32], quality: Quality) -> Vec<BinaryNode> {
     let (reach, short_passes, moved) = match quality {
         Quality::Fast => (1, 0, 0.0),
         Quality::Medium => (14, 3, 0.05),
         Quality::High => (14, 1, 1.0),
     };
-    let boxes: Vec<_> = indices.par_iter().map(|&i| bounds(&triangles[i as usize])).collect();
     let search = Search { reach, short_passes, precise: quality == Quality::High };
-    let (mut bvh, stalled) = cluster(&boxes, search);
-    if moved > 0.0 && !stalled && !is_crowded(&boxes) {
+    let (mut bvh, stalled) = cluster(boxes, search);
+    if moved > 0.0 && !stalled && !is_crowded(boxes) {
         let mut optimizer = ReinsertionOptimizer::default();
         optimizer.run(&mut bvh, moved, None);
         optimizer.run(&mut bvh, if quality == Quality::Medium { 2.0 * moved } else { moved }, None);
@@ -118,7 +123,7 @@ pub(super) fn build(triangles: &[[Vec3; 3]], indices: &[u32], quality: Quality) 
             min: node.aabb().min.into(),
             max: node.aabb().max.into(),
             content: match node.is_leaf() {
-                true => Content::Triangle(original(node.first_index)),
+                true => Content::Leaf(original(node.first_index)),
                 false => Content::Children(node.first_index),
             },
         })

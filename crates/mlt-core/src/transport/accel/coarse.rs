@@ -14,8 +14,8 @@ use glam::Vec3;
 pub const COARSE: f32 = 16_384.0;
 
 /// Triangles whose bounding box has a side longer than this are coarse.
-pub fn coarse_size(triangles: &[[Vec3; 3]]) -> f32 {
-    let sizes = triangles.iter().map(size).filter(|&size| size > 0.0 && size.is_finite());
+pub fn coarse_size<'a>(triangles: impl IntoIterator<Item = &'a [Vec3; 3]>) -> f32 {
+    let sizes = triangles.into_iter().map(size).filter(|&size| size > 0.0 && size.is_finite());
     COARSE * sizes.fold(f32::INFINITY, f32::min)
 }
 

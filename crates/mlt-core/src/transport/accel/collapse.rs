@@ -39,21 +39,23 @@ enum Choice {
 
 /// Folds the binary tree `binary` over `triangles`.
 pub(super) fn collapse(binary: &[BinaryNode], triangles: &[[Vec3; 3]], coarse_size: f32) -> WideTree {
-    let Some(root) = binary.first() else { return WideTree::empty() };
-    let plan = Plan::new(binary);
     let is_coarse = |index: u32| size(&triangles[index as usize]) > coarse_size;
-    let folding =
-        Folding { binary, plan: &plan, is_coarse, nodes: vec![Node::EMPTY], slots: Vec::new(), below: Vec::new() };
-    let (nodes, slots, depth) = folding.fold();
+    let (nodes, slots, depth) = fold(binary, MAX_LEAF, is_coarse);
     let blocks = slots.par_chunks(WIDTH).map(|primitives| TriangleBlock::new(primitives, triangles)).collect();
-    WideTree::new(nodes, blocks, depth, root.min.abs().max(root.max.abs()).max_element())
+    let reach = binary.first().map_or(0.0, |root| root.min.abs().max(root.max.abs()).max_element());
+    WideTree::new(nodes, blocks, depth, reach)
 }
 
-impl WideTree {
-    /// A root without boxes.
-    fn empty() -> Self {
-        Self::new(vec![Node::EMPTY], Vec::new(), 1, 0.0)
+/// The wide nodes, what the leaves hold, eight places a block of which `u32::MAX` is empty, and the depth of a tree whose leaves hold at
+/// most `most`. An empty tree is a root without boxes.
+pub(super) fn fold(binary: &[BinaryNode], most: u32, is_coarse: impl Fn(u32) -> bool) -> (Vec<Node>, Vec<u32>, usize) {
+    if binary.is_empty() {
+        return (vec![Node::EMPTY], Vec::new(), 1);
     }
+    let plan = Plan::new(binary, most);
+    let folding =
+        Folding { binary, plan: &plan, is_coarse, nodes: vec![Node::EMPTY], slots: Vec::new(), below: Vec::new() };
+    folding.fold()
 }
 
 /// Levels whose two halves are planned in parallel; the rest of a branch is one task.
@@ -72,14 +74,16 @@ struct Costs {
 /// is the same choice as for m − 1. Atomic, so that tasks can write without order: each node is one task's.
 struct Plan<'a> {
     binary: &'a [BinaryNode],
+    /// Most triangles in a leaf.
+    most: u32,
     choices: Vec<AtomicU64>,
 }
 
 impl<'a> Plan<'a> {
     /// The least costs and their choices, children before parents.
-    fn new(binary: &'a [BinaryNode]) -> Self {
+    fn new(binary: &'a [BinaryNode], most: u32) -> Self {
         let choices = (0..binary.len()).into_par_iter().map(|_| AtomicU64::new(0)).collect();
-        let plan = Self { binary, choices };
+        let plan = Self { binary, most, choices };
         plan.subtree(0, 0);
         plan
     }
@@ -104,7 +108,7 @@ impl<'a> Plan<'a> {
         let mut planned = Vec::new();
         while let Some((n, children_planned)) = pending.pop() {
             match self.binary[n].content {
-                Content::Triangle(_) => planned.push(self.triangle(n)),
+                Content::Leaf(_) => planned.push(self.triangle(n)),
                 Content::Children(first) if !children_planned => {
                     pending.extend([(n, true), (first as usize + 1, false), (first as usize, false)]);
                 }
@@ -125,7 +129,7 @@ impl<'a> Plan<'a> {
     fn inner(&self, n: usize, left: &Costs, right: &Costs) -> Costs {
         let area = self.binary[n].half_area();
         let triangles = left.triangles + right.triangles;
-        let leaf = match triangles <= MAX_LEAF {
+        let leaf = match triangles <= self.most {
             true => area * BLOCK_COST * triangles.div_ceil(WIDTH as u32) as f32,
             false => f32::INFINITY,
         };
@@ -133,7 +137,7 @@ impl<'a> Plan<'a> {
         let node = area * NODE_COST + below;
         let mut shares = [0; 8];
         let mut boxes = [leaf; WIDTH - 1];
-        if node < leaf || triangles > MAX_LEAF {
+        if node < leaf || triangles > self.most {
             (boxes[0], shares[0]) = (node, share);
         }
         for m in 2..WIDTH {
@@ -230,7 +234,7 @@ impl<F: Fn(u32) -> bool> Folding<'_, F> {
         self.below.push(n);
         while let Some(n) = self.below.pop() {
             match self.binary[n].content {
-                Content::Triangle(index) => self.slots.push(index),
+                Content::Leaf(index) => self.slots.push(index),
                 Content::Children(first) => self.below.extend([first as usize, first as usize + 1]),
             }
         }

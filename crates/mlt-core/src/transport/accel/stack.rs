@@ -6,11 +6,11 @@
 use std::mem::MaybeUninit;
 
 /// Levels of trees that need no memory from the heap.
-const LOCAL_LEVELS: usize = 32;
+pub(super) const LOCAL_LEVELS: usize = 32;
 
-/// Levels of the tree above the current one; whole cache lines of its own.
+/// Levels of the tree above the current one; whole cache lines of its own. A `LOCAL` one is for no more than [`LOCAL_LEVELS`].
 #[repr(align(64))]
-pub(super) struct Stack<T> {
+pub(super) struct Stack<T, const LOCAL: bool> {
     /// The first `len` are initialised, as far as there are so many.
     local: [MaybeUninit<T>; LOCAL_LEVELS],
     /// Those beyond them.
@@ -18,19 +18,20 @@ pub(super) struct Stack<T> {
     len: usize,
 }
 
-impl<T: Copy> Stack<T> {
+impl<T: Copy, const LOCAL: bool> Stack<T, LOCAL> {
     /// An empty stack for a tree of some depth.
     #[inline(always)]
     pub(super) fn new(depth: usize) -> Self {
-        let heap = if depth <= LOCAL_LEVELS { Vec::new() } else { Vec::with_capacity(depth) };
+        let heap = if LOCAL { Vec::new() } else { Vec::with_capacity(depth.saturating_sub(LOCAL_LEVELS)) };
         Self { local: [const { MaybeUninit::uninit() }; LOCAL_LEVELS], heap, len: 0 }
     }
 
     #[inline(always)]
     pub(super) fn push(&mut self, entry: T) {
-        match self.local.get_mut(self.len) {
-            Some(slot) => _ = slot.write(entry),
-            None => self.heap.push(entry),
+        if LOCAL || self.len < LOCAL_LEVELS {
+            self.local[self.len].write(entry);
+        } else {
+            self.heap.push(entry);
         }
         self.len += 1;
     }
@@ -38,10 +39,30 @@ impl<T: Copy> Stack<T> {
     #[inline(always)]
     pub(super) fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;
-        match self.local.get(self.len) {
+        if LOCAL || self.len < LOCAL_LEVELS {
             // SAFETY: it lay below the old `len`, and `push` has written all of those.
-            Some(slot) => Some(unsafe { slot.assume_init() }),
-            None => self.heap.pop(),
+            Some(unsafe { self.local[self.len].assume_init() })
+        } else {
+            self.heap.pop()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check<const LOCAL: bool>(entries: usize) {
+        let mut stack = Stack::<usize, LOCAL>::new(entries);
+        (0..entries).for_each(|entry| stack.push(entry));
+        assert!((0..entries).rev().all(|entry| stack.pop() == Some(entry)));
+        assert_eq!(stack.pop(), None);
+    }
+
+    #[test]
+    fn what_is_pushed_last_is_popped_first() {
+        check::<true>(LOCAL_LEVELS);
+        check::<false>(LOCAL_LEVELS);
+        check::<false>(3 * LOCAL_LEVELS);
     }
 }

@@ -1,10 +1,10 @@
 //! Walking the 8-wide tree.
 //!
-//! Both queries are one generic function each, for both instruction sets. At each level the nearest-hit query keeps a key
+//! Both queries are one generic function each, for both instruction sets and for whatever the leaves hold. At each level the nearest-hit query keeps a key
 //! for every box that the ray meets: its distance, with the lane in the last bits. The next box is the one with the least
 //! key, found without a branch; one that lies beyond a hit ends the level. It is found before the box ahead of it is visited,
 //! so that its memory can be asked for early where the tree is large. The any-hit query takes boxes as they come and stops
-//! at the first hit. Trees without coarse triangles are walked by code that knows of none.
+//! at the first hit. Plain trees, without coarse triangles and not very deep, are walked by code that knows of no others.
 //!
 //! **What is unsafe** here is to call code compiled for AVX2. Indices are checked: measured, that costs less than one per cent.
 #![allow(unsafe_code, reason = "calls of code compiled for AVX2")]
@@ -13,8 +13,8 @@ use super::binary::MAX_COORDINATE;
 use super::boxes::BoxTest;
 use super::simd::{KEY_LANE, Simd};
 use super::stack::Stack;
-use super::watertight::{Nearest, Shear};
-use super::wide::{Child, Node, WideTree};
+use super::watertight::{Nearest, Shear, Test};
+use super::wide::{Child, Node, TriangleBlock, WideTree};
 use crate::instructions::{InstructionSet, Portable};
 use crate::transport::geometry::{Hit, Ray};
 use glam::Vec3A;
@@ -57,20 +57,36 @@ impl From<Segment> for Ray {
     }
 }
 
-/// One query, compiled for an instruction set and for trees that do or do not have coarse triangles. Rays travel in seven
-/// registers: through memory, what is written one number at a time and read several at once has to be waited for.
+/// A structure that rays can walk.
+pub(super) trait Structure: Copy {
+    /// The nearest hit of a sound ray.
+    fn nearest<S: Simd>(self, simd: S, ray: &Segment) -> Option<Hit>;
+    /// Whether anything is hit by a sound ray.
+    fn any<S: Simd>(self, simd: S, ray: &Segment) -> bool;
+}
+
+/// The leaves of a tree, as one ray meets them.
+pub(super) trait Leaves<S: Simd> {
+    /// Ray parameter of the nearest hit so far; of none: the ray's end.
+    fn t(&self) -> f32;
+    /// Takes over the nearest hit in a leaf if it is nearer.
+    fn look(&mut self, simd: S, leaf: Child);
+    /// Whether anything in a leaf is hit.
+    fn any(&self, simd: S, leaf: Child) -> bool;
+}
+
+/// One query, compiled for an instruction set and for a structure. Rays travel in seven registers: through memory, what is written
+/// one number at a time and read several at once has to be waited for.
 macro_rules! query {
     ($query:ident -> $answer:ty, $walk:ident, $scaled:ident, $portable:ident, $avx2:ident) => {
         #[inline(always)]
-        pub(super) fn $query<const COARSE: bool>(instructions: InstructionSet, tree: &WideTree, ray: &Ray) -> $answer {
+        pub(super) fn $query<T: Structure>(instructions: InstructionSet, structure: T, ray: &Ray) -> $answer {
             let Ray { origin: o, direction: d, t_max } = *ray;
             match instructions {
-                InstructionSet::Portable(simd) => $portable::<COARSE>(simd, tree, o.x, o.y, o.z, d.x, d.y, d.z, t_max),
+                InstructionSet::Portable(simd) => $portable(simd, structure, o.x, o.y, o.z, d.x, d.y, d.z, t_max),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a value of `Avx2` exists only where the processor has all the features that are enabled.
-                InstructionSet::Avx2(simd) => unsafe {
-                    $avx2::<COARSE>(simd, tree, o.x, o.y, o.z, d.x, d.y, d.z, t_max)
-                },
+                InstructionSet::Avx2(simd) => unsafe { $avx2(simd, structure, o.x, o.y, o.z, d.x, d.y, d.z, t_max) },
             }
         }
 
@@ -85,34 +101,35 @@ macro_rules! query {
     (fn $name:ident($set:ty) -> $answer:ty, $walk:ident, $scaled:ident, $(#[$attribute:meta])*) => {
         $(#[$attribute])*
         #[allow(clippy::too_many_arguments, reason = "the ray travels in registers")]
-        fn $name<const COARSE: bool>(
-            simd: $set, tree: &WideTree, ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, t_max: f32,
+        fn $name<T: Structure>(
+            simd: $set, structure: T, ox: f32, oy: f32, oz: f32, dx: f32, dy: f32, dz: f32, t_max: f32,
         ) -> $answer {
             let ray = Segment { origin: Vec3A::new(ox, oy, oz), direction: Vec3A::new(dx, dy, dz), t_max };
             // What is infinitely far is not hit.
             let finite = Segment { t_max: t_max.min(f32::MAX), ..ray };
             if ray.is_sound() {
-                $walk::<_, COARSE>(simd, tree, &finite)
+                structure.$walk(simd, &finite)
             } else {
-                $scaled::<_, COARSE>(simd, tree, &ray)
+                $scaled(simd, structure, ray)
             }
         }
     };
 }
 
-query!(closest -> Option<Hit>, nearest_hit, nearest_hit_scaled, closest_portable, closest_avx2);
-query!(occluded -> bool, any_hit, any_hit_scaled, occluded_portable, occluded_avx2);
+query!(closest -> Option<Hit>, nearest, nearest_scaled, closest_portable, closest_avx2);
+query!(occluded -> bool, any, any_scaled, occluded_portable, occluded_avx2);
 
+/// By value, as what is referred to has to lie in memory.
 #[cold]
-fn nearest_hit_scaled<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> {
+fn nearest_scaled<S: Simd, T: Structure>(simd: S, structure: T, ray: Segment) -> Option<Hit> {
     let (ray, unit) = ray.scaled()?;
-    let hit = closest::<COARSE>(simd.set(), tree, &ray.into())?;
+    let hit = closest(simd.set(), structure, &ray.into())?;
     Some(Hit { t: (f64::from(hit.t) * unit) as f32, ..hit })
 }
 
 #[cold]
-fn any_hit_scaled<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
-    ray.scaled().is_some_and(|(ray, _)| occluded::<COARSE>(simd.set(), tree, &ray.into()))
+fn any_scaled<S: Simd, T: Structure>(simd: S, structure: T, ray: Segment) -> bool {
+    ray.scaled().is_some_and(|(ray, _)| occluded(simd.set(), structure, &ray.into()))
 }
 
 /// Boxes of a node that are still to be visited.
@@ -137,19 +154,24 @@ impl<'a, K: Copy> Level<'a, K> {
     }
 }
 
+/// Shows the leaves that a ray meets to `leaves`, the nearer ones first, as far as they can hold a nearer hit. `LOCAL`: whether the stack
+/// needs no memory from the heap.
 #[inline(always)]
-fn nearest_hit<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment) -> Option<Hit> {
+pub(super) fn nearest_hit<S: Simd, const LOCAL: bool>(
+    simd: S,
+    tree: &WideTree,
+    ray: &Segment,
+    leaves: &mut impl Leaves<S>,
+) {
     let boxes = BoxTest::new(simd, ray, tree.max_coordinate);
-    let shear = Shear::new(simd, ray.origin, ray.direction);
-    let mut nearest = Nearest::none(ray.t_max);
-    let mut stack = Stack::new(tree.depth);
+    let mut stack = Stack::<_, LOCAL>::new(tree.depth);
     let mut level = Level::enter(simd, &boxes, &tree.nodes[0], ray.t_max);
     loop {
         let key = level.key;
-        if key & !KEY_LANE > nearest.t.to_bits() {
+        if key & !KEY_LANE > leaves.t().to_bits() {
             match stack.pop() {
                 Some(above) => level = above,
-                None => return nearest.hit(&tree.blocks, [ray.origin, ray.direction], ray.t_max),
+                None => return,
             }
             continue;
         }
@@ -162,21 +184,12 @@ fn nearest_hit<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segm
         }
         let child = level.node.children[lane as usize];
         if child.is_leaf() {
-            for index in child.blocks() {
-                let block = &tree.blocks[index];
-                let found = match COARSE && child.is_coarse() {
-                    true => shear.test_coarse(simd, block, *ray, nearest.t),
-                    false => shear.test(simd, block, [0.0, nearest.t]),
-                };
-                if let Some(test) = found {
-                    nearest.update(simd, &test, &block.primitives, index);
-                }
-            }
+            leaves.look(simd, child);
         } else {
             if level.left != 0 {
                 stack.push(level);
             }
-            level = Level::enter(simd, &boxes, &tree.nodes[child.node()], nearest.t);
+            level = Level::enter(simd, &boxes, &tree.nodes[child.node()], leaves.t());
         }
     }
 }
@@ -193,11 +206,16 @@ impl WideTree {
     }
 }
 
+/// Whether one of `leaves` that a ray meets is hit; `LOCAL` as above.
 #[inline(always)]
-fn any_hit<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment) -> bool {
+pub(super) fn any_hit<S: Simd, const LOCAL: bool>(
+    simd: S,
+    tree: &WideTree,
+    ray: &Segment,
+    leaves: &impl Leaves<S>,
+) -> bool {
     let boxes = BoxTest::new(simd, ray, tree.max_coordinate);
-    let shear = Shear::new(simd, ray.origin, ray.direction);
-    let mut stack = Stack::new(tree.depth);
+    let mut stack = Stack::<_, LOCAL>::new(tree.depth);
     let mut node = &tree.nodes[0];
     let mut left = simd.bits(boxes.test(simd, node, ray.t_max).0);
     loop {
@@ -211,14 +229,8 @@ fn any_hit<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment)
         left &= left - 1;
         let child = node.children[lane];
         if child.is_leaf() {
-            for block in &tree.blocks[child.blocks()] {
-                let found = match COARSE && child.is_coarse() {
-                    true => shear.test_coarse(simd, block, *ray, ray.t_max).is_some(),
-                    false => shear.test(simd, block, [0.0, ray.t_max]).is_some(),
-                };
-                if found {
-                    return true;
-                }
+            if leaves.any(simd, child) {
+                return true;
             }
         } else {
             if left != 0 {
@@ -227,5 +239,74 @@ fn any_hit<S: Simd, const COARSE: bool>(simd: S, tree: &WideTree, ray: &Segment)
             node = &tree.nodes[child.node()];
             left = simd.bits(boxes.test(simd, node, ray.t_max).0);
         }
+    }
+}
+
+/// A tree over triangles: a plain one, or any.
+#[derive(Clone, Copy)]
+pub(super) struct Triangles<'a, const PLAIN: bool>(pub &'a WideTree);
+
+impl<const PLAIN: bool> Structure for Triangles<'_, PLAIN> {
+    #[inline(always)]
+    fn nearest<S: Simd>(self, simd: S, ray: &Segment) -> Option<Hit> {
+        let mut blocks = Blocks::<S, PLAIN>::new(simd, self.0, ray);
+        nearest_hit::<_, PLAIN>(simd, self.0, ray, &mut blocks);
+        blocks.nearest.hit(&self.0.blocks, [ray.origin, ray.direction], ray.t_max)
+    }
+
+    #[inline(always)]
+    fn any<S: Simd>(self, simd: S, ray: &Segment) -> bool {
+        any_hit::<_, PLAIN>(simd, self.0, ray, &Blocks::<S, PLAIN>::new(simd, self.0, ray))
+    }
+}
+
+/// Blocks of triangles, for one ray.
+struct Blocks<'a, S: Simd, const PLAIN: bool> {
+    tree: &'a WideTree,
+    ray: &'a Segment,
+    shear: Shear<S>,
+    nearest: Nearest,
+}
+
+impl<'a, S: Simd, const PLAIN: bool> Blocks<'a, S, PLAIN> {
+    #[inline(always)]
+    fn new(simd: S, tree: &'a WideTree, ray: &'a Segment) -> Self {
+        Self { tree, ray, shear: Shear::new(simd, ray.origin, ray.direction), nearest: Nearest::none(ray.t_max) }
+    }
+
+    /// The hits up to `t_max` in one of a leaf's blocks.
+    #[inline(always)]
+    fn test(&self, simd: S, leaf: Child, block: &TriangleBlock, t_max: f32) -> Option<Test<S>> {
+        match !PLAIN && leaf.is_coarse() {
+            true => self.shear.test_coarse(simd, block, *self.ray, t_max),
+            false => self.shear.test(simd, block, [0.0, t_max]),
+        }
+    }
+}
+
+impl<S: Simd, const PLAIN: bool> Leaves<S> for Blocks<'_, S, PLAIN> {
+    #[inline(always)]
+    fn t(&self) -> f32 {
+        self.nearest.t
+    }
+
+    #[inline(always)]
+    fn look(&mut self, simd: S, leaf: Child) {
+        for index in leaf.blocks() {
+            let block = &self.tree.blocks[index];
+            if let Some(test) = self.test(simd, leaf, block, self.nearest.t) {
+                self.nearest.update(simd, &test, &block.primitives, index);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn any(&self, simd: S, leaf: Child) -> bool {
+        for block in &self.tree.blocks[leaf.blocks()] {
+            if self.test(simd, leaf, block, self.ray.t_max).is_some() {
+                return true;
+            }
+        }
+        false
     }
 }

@@ -25,7 +25,7 @@ pub(super) struct Shear<S: Simd> {
 #[inline(always)]
 fn cyclic_axes(direction: Vec3A) -> [usize; 3] {
     let speed = direction.abs();
-    let fastest = if speed.z >= speed.x.max(speed.y) { 2 } else { usize::from(speed.y > speed.x) };
+    let fastest = if speed.z >= speed.x && speed.z >= speed.y { 2 } else { usize::from(speed.y > speed.x) };
     // By arithmetic: a table would be looked up before it could be used.
     let next = |axis: usize| (axis + 1) & usize::from(axis == 2).wrapping_sub(1);
     [next(fastest), next(next(fastest)), fastest]
@@ -179,7 +179,7 @@ impl Nearest {
         }
         if SLENDER < self.extent * self.scale.abs() {
             let ray = Ray { origin: origin.into(), direction: direction.into(), t_max };
-            return Some(refine(&blocks[self.block as usize], &ray, self));
+            return Some(refine(&blocks[self.block as usize], ray, *self));
         }
         let u = (self.v * self.scale).min(1.0);
         let (v, most) = (self.w * self.scale, 1.0 - u);
@@ -191,9 +191,10 @@ impl Nearest {
 ///
 /// The test's own t is off by 10⁻⁵ on slivers. The areas are computed again in f64; where they say that the ray passes
 /// outside, by less than the error of f32, the nearest point of the triangle's outline stands in. Then t is that of the
-/// point with these weights: t, u and v agree even where the ray grazes the triangle.
+/// point with these weights: t, u and v agree even where the ray grazes the triangle. By value, as what is referred to has to lie in
+/// memory.
 #[cold]
-fn refine(block: &TriangleBlock, ray: &Ray, candidate: &Nearest) -> Hit {
+fn refine(block: &TriangleBlock, ray: Ray, candidate: Nearest) -> Hit {
     let [x, y, z] = cyclic_axes(ray.direction.into());
     let reciprocal = 1.0 / f64::from(ray.direction[z]);
     let shear = DVec2::new(ray.direction[x].into(), ray.direction[y].into()) * reciprocal;

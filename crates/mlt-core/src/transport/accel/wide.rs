@@ -1,6 +1,7 @@
 //! Memory layout of the 8-wide tree.
 
 use super::simd::Lanes;
+use super::stack::LOCAL_LEVELS;
 use glam::Vec3;
 
 /// Boxes in a node, triangles in a block.
@@ -24,6 +25,14 @@ impl Node {
         let (min, max) = (Lanes([f32::INFINITY; WIDTH]), Lanes([f32::NEG_INFINITY; WIDTH]));
         Self { planes: [min, max, min, max, min, max], children: [Child(0); WIDTH] }
     };
+
+    /// Corners of the boxes in use.
+    pub(super) fn boxes(&self) -> impl Iterator<Item = [Vec3; 2]> {
+        let corner =
+            |lane: usize, end: usize| Vec3::from_array([0, 1, 2].map(|axis| self.planes[2 * axis + end].0[lane]));
+        let corners = (0..WIDTH).map(move |lane| [corner(lane, 0), corner(lane, 1)]);
+        corners.filter(|[min, max]| min.cmple(*max).all())
+    }
 
     /// Puts a box into a lane.
     pub(super) fn set(&mut self, lane: usize, min: Vec3, max: Vec3, child: Child) {
@@ -125,8 +134,8 @@ pub(super) struct WideTree {
     pub depth: usize,
     /// Largest absolute coordinate of any box, for the error bound of the box test.
     pub max_coordinate: f32,
-    /// Whether any leaf is coarse.
-    pub has_coarse: bool,
+    /// Whether no leaf is coarse and the stack of a walk needs no memory from the heap.
+    pub is_plain: bool,
     /// Whether it is larger than the caches of one core, so that it pays to ask for memory ahead of its use.
     pub is_large: bool,
 }
@@ -135,10 +144,16 @@ pub(super) struct WideTree {
 const CACHED: usize = 2 << 20;
 
 impl WideTree {
+    /// Memory that it takes, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
+    }
+
     /// A tree of these parts.
     pub(super) fn new(nodes: Vec<Node>, blocks: Vec<TriangleBlock>, depth: usize, max_coordinate: f32) -> Self {
         let has_coarse = nodes.iter().flat_map(|node| &node.children).any(|child| child.is_leaf() && child.is_coarse());
+        let is_plain = !has_coarse && depth <= LOCAL_LEVELS;
         let is_large = size_of_val(&nodes[..]) + size_of_val(&blocks[..]) > CACHED;
-        Self { nodes, blocks, depth, max_coordinate, has_coarse, is_large }
+        Self { nodes, blocks, depth, max_coordinate, is_plain, is_large }
     }
 }

@@ -1,13 +1,13 @@
-//! Indexed triangle meshes in world space.
+//! Indexed triangle meshes.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-/// Triangles that share one material; transforms are already applied.
+/// Triangles that share one material, in world space, but for those of a [`Prototype`](crate::transport::scene::Prototype).
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Name in the scene file, for messages.
     pub name: String,
-    /// World positions; f64, so that a far-away scene can be moved to the origin without loss.
+    /// Positions; f64, so that a far-away scene can be moved to the origin without loss.
     pub positions: Vec<DVec3>,
     /// Unit shading normals, one a position; empty: the triangles' own normals.
     pub normals: Vec<Vec3>,
@@ -22,4 +22,9 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Index into the scene's materials.
     pub material: u32,
+}
+
+/// The corners of all triangles of some meshes.
+pub(crate) fn points(meshes: &[Mesh]) -> impl Iterator<Item = DVec3> + Clone {
+    meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize]))
 }

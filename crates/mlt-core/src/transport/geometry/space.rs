@@ -1,6 +1,6 @@
 //! The renderer's own coordinates.
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 /// A translation and a scaling by a power of two that bring a scene to size 1 near the origin, where f32 is finest.
 ///
@@ -40,9 +40,25 @@ impl Space {
         (world * self.scale) as f32
     }
 
+    /// The world position of a point in these coordinates.
+    pub(crate) fn world(&self, point: Vec3) -> DVec3 {
+        point.as_dvec3() / self.scale + self.origin
+    }
+
     /// A world position in these coordinates.
     pub(crate) fn point(&self, world: DVec3) -> Vec3 {
         ((world - self.origin) * self.scale).as_vec3()
+    }
+
+    /// The map from the world to these coordinates.
+    pub(crate) fn map(&self) -> DAffine3 {
+        let matrix3 = DMat3::from_diagonal(DVec3::splat(self.scale));
+        DAffine3 { matrix3, translation: -self.origin * self.scale }
+    }
+
+    /// The map from these coordinates to the world.
+    pub(crate) fn to_world(self) -> DAffine3 {
+        DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(1.0 / self.scale)), translation: self.origin }
     }
 }
 

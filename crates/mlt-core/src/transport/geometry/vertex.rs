@@ -14,14 +14,14 @@ pub(crate) const LIGHT: u32 = 1 << 31;
 pub enum Place {
     /// A point of a surface or of the lens.
     Surface,
-    /// No point but a direction, as a unit vector from the scene: of light that comes from infinitely far away.
-    Distant,
-    /// The same, of light that comes from that direction alone.
-    Direction,
-    /// A point without a surface: of light that comes from there alone.
-    Point,
     /// A point of the plane that parallel rays start from, along the normal: of an orthographic camera, which is infinitely far behind it.
     Parallel,
+    /// A point without a surface: of light that comes from there alone.
+    Point,
+    /// No point but a direction, as a unit vector from the scene: of light that comes from that direction alone.
+    Direction,
+    /// The same, of light that comes from infinitely far away all around.
+    Distant,
 }
 
 /// Bound on the error of a position and of the intersection test near it, relative to the largest coordinate of the triangle
@@ -88,6 +88,7 @@ impl Vertex {
     }
 
     /// A vertex at the point that a light is, with its axis. It scatters as `material` does, which must be black.
+    #[inline(always)]
     pub(crate) fn free(light: u32, [position, axis]: [Vec3A; 2], material: u32) -> Self {
         let place = Place::Point;
         Self { position, geometric_normal: axis, shading_normal: axis, place, ..Self::distant(light, axis, material) }
@@ -117,7 +118,7 @@ impl Vertex {
     /// Whether it is a direction instead of a point.
     #[inline]
     pub fn is_distant(&self) -> bool {
-        matches!(self.place, Place::Distant | Place::Direction)
+        matches!(self.place, Place::Direction | Place::Distant)
     }
 
     /// Whether a ray may meet it by chance.

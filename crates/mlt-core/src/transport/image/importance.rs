@@ -1,7 +1,7 @@
 //! The importance that chains sample in proportion to.
 
 use super::blur::blurred;
-use crate::engine::Importance;
+use crate::engine::{DecodeError, Importance, Reader, put, put_list};
 use crate::transport::paths::{LightPath, Luminance};
 
 /// Which scalar I is.
@@ -37,6 +37,23 @@ impl PixelImportance {
         }
         let weights = smooth(image, size).into_iter().map(|level| 1.0 / (level + darkest)).collect();
         Self { weights }
+    }
+}
+
+impl PixelImportance {
+    /// Appends it to bytes.
+    pub(crate) fn write(&self, to: &mut Vec<u8>) {
+        put_list(to, &self.weights, |to, w| put(to, w.to_bits()));
+    }
+
+    /// Reads what [`write`](Self::write) has written for an image of so many pixels.
+    pub(crate) fn read(pixels: u32, from: &mut Reader) -> Result<Self, DecodeError> {
+        let weights = from.list(|from| from.number().map(f64::from_bits))?;
+        let sound = weights.is_empty() || weights.len() == pixels as usize;
+        match sound && weights.iter().all(|w| w.is_finite() && *w > 0.0) {
+            true => Ok(Self { weights }),
+            false => Err(DecodeError::Damaged),
+        }
     }
 }
 

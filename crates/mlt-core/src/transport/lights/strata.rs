@@ -3,6 +3,7 @@
 use super::cell::Cell;
 use super::cut::{LightTree, Node};
 use super::region::LightRegion;
+use crate::engine::{DecodeError, Reader, put_list};
 use crate::transport::scene::{Light, LightPoint, Lights};
 use glam::DVec2;
 use std::cmp::Ordering;
@@ -23,6 +24,9 @@ pub enum Stratification {
 
 /// Most strata, whatever is asked for.
 const MOST_STRATA: f64 = 65_536.0;
+
+/// Most cells of all grids in a partition that is read.
+const MOST_CELLS: u64 = 1 << 24;
 
 /// A partition of the lights. docs/theory-strata.md, section 1, has how it cuts path space.
 #[derive(Clone, Debug)]
@@ -102,14 +106,25 @@ impl LightStrata {
         self.table[(first + cell(point.v, nv) * nu + cell(point.u, nu)) as usize]
     }
 
+    /// Appends it to bytes.
+    pub(crate) fn write(&self, to: &mut Vec<u8>) {
+        put_list(to, &self.regions, |to, region| put_list(to, region.cells(), |to, cell| cell.write(to)));
+    }
+
+    /// Reads a partition of these lights that [`write`](Self::write) has written.
+    pub(crate) fn read(lights: &Lights, from: &mut Reader) -> Result<Self, DecodeError> {
+        let parts = from.list(|from| from.list(Cell::read))?;
+        if is_partition(lights.lights.len(), &parts) {
+            Ok(Self::assemble(lights, parts))
+        } else {
+            Err(DecodeError::Damaged)
+        }
+    }
+
     /// Strata of disjoint cells that cover the lights and lie, on each light, on one grid.
     fn assemble(lights: &Lights, mut parts: Vec<Vec<Cell>>) -> Self {
         parts.iter_mut().for_each(|cells| cells.sort_unstable_by_key(place));
-        let mut sizes = vec![[1, 1]; lights.lights.len()];
-        for cell in parts.iter().flatten() {
-            let (size, cells) = (&mut sizes[cell.light as usize], (cell.high - cell.low).recip().round());
-            *size = [size[0].max(cells.x as u32), size[1].max(cells.y as u32)];
-        }
+        let sizes = grid_sizes(lights.lights.len(), &parts);
         let mut entries = 0;
         let mut grid = |size: [u32; 2]| {
             let grid = Grid { first: entries, size };
@@ -128,6 +143,46 @@ impl LightStrata {
         };
         Self { regions, whole, grids, table }
     }
+}
+
+/// The grid that each light's cells lie on: that of the narrowest ones.
+fn grid_sizes(lights: usize, parts: &[Vec<Cell>]) -> Vec<[u32; 2]> {
+    let mut sizes = vec![[1, 1]; lights];
+    for cell in parts.iter().flatten() {
+        let (size, cells) = (&mut sizes[cell.light as usize], (cell.high - cell.low).recip().round());
+        *size = [size[0].max(cells.x as u32), size[1].max(cells.y as u32)];
+    }
+    sizes
+}
+
+/// Whether parts from wherever they come hold each cell of the lights' grids once.
+fn is_partition(lights: usize, parts: &[Vec<Cell>]) -> bool {
+    if parts.iter().any(Vec::is_empty) || parts.iter().flatten().any(|cell| cell.light as usize >= lights) {
+        return false;
+    }
+    let sizes = grid_sizes(lights, parts);
+    let cells_of = |&[nu, nv]: &[u32; 2]| u64::from(nu).saturating_mul(u64::from(nv));
+    if sizes.iter().map(cells_of).fold(0, u64::saturating_add) > MOST_CELLS {
+        return false;
+    }
+    let mut met: Vec<_> = sizes.iter().map(|size| vec![false; cells_of(size) as usize]).collect();
+    let alone =
+        parts.iter().flatten().all(|cell| meet(&mut met[cell.light as usize], sizes[cell.light as usize], cell));
+    alone && met.iter().flatten().all(|&met| met)
+}
+
+/// Marks a cell's part of a grid; `false` if it does not lie on the grid's lines, or if any of it was marked before.
+fn meet(met: &mut [bool], size: [u32; 2], cell: &Cell) -> bool {
+    let n = size.map(f64::from);
+    let [low, high] = [cell.low, cell.high].map(|corner| [0, 1].map(|axis| (corner[axis] * n[axis]).round()));
+    let on_lines = |axis: usize| low[axis] / n[axis] == cell.low[axis] && high[axis] / n[axis] == cell.high[axis];
+    let mut rows = low[1] as usize..high[1] as usize;
+    on_lines(0)
+        && on_lines(1)
+        && rows.all(|row| {
+            let row = &mut met[row * size[0] as usize..][low[0] as usize..high[0] as usize];
+            !row.iter_mut().any(|met| std::mem::replace(met, true))
+        })
 }
 
 impl Grid {
@@ -178,6 +233,9 @@ fn joined_grid(light: &Light, mut size: [u32; 2], least: f64) -> [u32; 2] {
 /// Index of the interval [i/n, (i+1)/n) that x lies in, bounds rounded as the regions' are.
 #[inline]
 fn cell(x: f64, n: u32) -> u32 {
+    if n == 1 {
+        return 0;
+    }
     let bound = |i: u32| f64::from(i) / f64::from(n);
     let i = ((x * f64::from(n)) as u32).min(n - 1);
     if x < bound(i) {
@@ -201,7 +259,7 @@ fn grid_cells(light: u32, [nu, nv]: [u32; 2]) -> impl Iterator<Item = Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Purpose, generator, uniform};
+    use crate::engine::{Purpose, generator, sealed, uniform, unsealed};
     use crate::transport::colour::Rgb;
     use crate::transport::geometry::Mesh;
     use crate::transport::scene::Material;
@@ -230,6 +288,36 @@ mod tests {
         let primitives: Vec<[Vec3; 3]> =
             meshes.iter().flat_map(|m| m.triangles.iter().map(|t| corner(m, t)).collect::<Vec<_>>()).collect();
         Lights::new(&meshes, &materials, &[], &primitives)
+    }
+
+    /// What is read back from a partition's bytes, after a change of its parts.
+    fn read_back(lights: &Lights, strata: &LightStrata, change: impl Fn(&mut Vec<Vec<Cell>>)) -> Option<LightStrata> {
+        let mut parts: Vec<_> = strata.regions().iter().map(|region| region.cells().to_vec()).collect();
+        change(&mut parts);
+        let write = |to: &mut Vec<u8>| put_list(to, &parts, |to, part| put_list(to, part, |to, cell| cell.write(to)));
+        let bytes = sealed(*b"a strata", 1, write);
+        unsealed(&bytes, *b"a strata", 1, |from| LightStrata::read(lights, from)).ok()
+    }
+
+    #[test]
+    fn what_is_read_back_is_a_partition() {
+        for lights in [lights(&[1.0], 0), lights(&[1.0, 40.0, 3.0, 0.01, 7.0], 0), lights(&[2.0, 1.0, 5.0], 50)] {
+            for cut in [Stratification::None, Stratification::Count(7), Stratification::Grid(3, 5)] {
+                let strata = LightStrata::new(&lights, cut);
+                let same = read_back(&lights, &strata, |_| ()).expect("a partition");
+                let cells =
+                    |strata: &LightStrata| strata.regions().iter().flat_map(|r| r.cells().to_vec()).collect::<Vec<_>>();
+                assert!(cells(&same) == cells(&strata) && same.table == strata.table);
+                let changes: [fn(&mut Vec<Vec<Cell>>); 5] = [
+                    |parts| drop(parts.pop()),
+                    |parts| parts.push(parts[0].clone()),
+                    |parts| parts.push(Vec::new()),
+                    |parts| parts[0][0].light = 99,
+                    |parts| parts[0][0].high.y *= 0.9,
+                ];
+                assert!(changes.into_iter().all(|change| read_back(&lights, &strata, change).is_none()), "{cut:?}");
+            }
+        }
     }
 
     /// Every point lies in the region that its index names and in no other, and powers add up.

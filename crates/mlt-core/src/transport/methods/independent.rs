@@ -143,7 +143,8 @@ impl<T: ImageSampler, S: Selection> Work for Pixels<'_, T, S> {
 
 /// A uniform point of a pixel, as a film point in [0, 1)².
 pub(crate) fn point_in_pixel(pixel: u64, [w, h]: [u32; 2], rng: &mut impl Rng) -> Vec2 {
-    let corner = Vec2::new((pixel % u64::from(w)) as f32, (pixel / u64::from(w)) as f32);
+    let pixel = pixel as u32;
+    let corner = Vec2::new((pixel % w) as f32, (pixel / w) as f32);
     let inside = Vec2::new(uniform_f32(rng), uniform_f32(rng));
     ((corner + inside) / Vec2::new(w as f32, h as f32)).min(Vec2::splat(1.0 - f32::EPSILON))
 }

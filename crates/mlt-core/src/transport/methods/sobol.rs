@@ -8,7 +8,7 @@ use std::convert::Infallible;
 /// Points whose coordinates are made at once.
 const POINTS: usize = 8;
 /// Sets of coordinates that are made at once.
-const SETS: usize = 4;
+const SETS: usize = 2;
 
 /// A coordinate of each of the points that are made at once.
 type Coordinates = [u32; POINTS];

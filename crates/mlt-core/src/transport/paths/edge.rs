@@ -23,7 +23,7 @@ impl Edge {
     #[inline(always)]
     pub(crate) fn between(x: &Vertex, y: &Vertex) -> Option<Self> {
         if !Vertex::are_on_surfaces(x, y) {
-            return Self::between_others(*x, *y);
+            return Self::between_others(x, y);
         }
         let (direction, inverse_square) = Self::straight(x, y)?;
         Some(Self::new(direction, inverse_square, [x, y]))
@@ -37,7 +37,7 @@ impl Edge {
     #[inline(always)]
     pub(crate) fn along(direction: Vec3A, x: &Vertex, y: &Vertex) -> Self {
         if !Vertex::are_on_surfaces(x, y) {
-            return Self::along_others(direction, *x, *y);
+            return Self::along_others(direction, x, y);
         }
         Self::new(direction, 1.0 / Self::square(x, y), [x, y])
     }
@@ -58,24 +58,28 @@ impl Edge {
         x.position.distance_squared(y.position).max(f32::MIN_POSITIVE)
     }
 
-    /// A connection of which an end is not on a surface. Takes vertices by value: a reference would keep them out of registers.
-    #[cold]
-    fn between_others(x: Vertex, y: Vertex) -> Option<Self> {
+    /// A connection of which an end is not on a surface; none ends at a light that a camera subpath has met.
+    #[inline(always)]
+    fn between_others(x: &Vertex, y: &Vertex) -> Option<Self> {
+        if y.is_distant() {
+            return None;
+        }
         if x.is_distant() | y.is_parallel() {
             let direction = if y.is_parallel() { -y.geometric_normal } else { -x.position };
-            return Some(Self::of_others(direction, 1.0, [&x, &y]));
+            return Some(Self::of_others(direction, 1.0, [x, y]));
         }
-        let (direction, inverse_square) = Self::straight(&x, &y)?;
-        Some(Self::of_others(direction, inverse_square, [&x, &y]))
+        let (direction, inverse_square) = Self::straight(x, y)?;
+        Some(Self::of_others(direction, inverse_square, [x, y]))
     }
 
     /// The same of an edge that a ray followed.
-    #[cold]
-    fn along_others(direction: Vec3A, x: Vertex, y: Vertex) -> Self {
+    #[inline(always)]
+    fn along_others(direction: Vec3A, x: &Vertex, y: &Vertex) -> Self {
         let endless = x.is_distant() | y.is_parallel();
-        Self::of_others(direction, if endless { 1.0 } else { 1.0 / Self::square(&x, &y) }, [&x, &y])
+        Self::of_others(direction, if endless { 1.0 } else { 1.0 / Self::square(x, y) }, [x, y])
     }
 
+    #[inline(always)]
     fn of_others(direction: Vec3A, inverse_square: f32, ends: [&Vertex; 2]) -> Self {
         let cos = |end: &Vertex| match end.place {
             Place::Surface => abs_dot(end.geometric_normal, direction),

@@ -2,6 +2,7 @@
 
 use super::path::LightPath;
 use super::path_vertex::PathVertex;
+use crate::engine::{DecodeError, Reader, put};
 use crate::transport::geometry::Vertex;
 use crate::transport::scene::LightPoint;
 use std::fmt;
@@ -120,6 +121,17 @@ impl Kinds {
     /// Whether there is none.
     pub fn is_empty(self) -> bool {
         self.0 == 0
+    }
+
+    /// Appends them to bytes.
+    pub(crate) fn write(self, to: &mut Vec<u8>) {
+        put(to, self.0.into());
+    }
+
+    /// Reads what [`write`](Self::write) has written.
+    pub(crate) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        let kinds = u16::try_from(from.number()?).ok().map(Self);
+        kinds.filter(|kinds| kinds.is_within(Self::ALL)).ok_or(DecodeError::Damaged)
     }
 
     /// The kinds in it.

@@ -13,4 +13,4 @@ pub(crate) use edge::Edge;
 pub use kind::{KINDS, Kind, Kinds, LightEnd, PathEnd};
 pub use path::{LightPath, Luminance};
 pub use path_vertex::PathVertex;
-pub(crate) use path_vertex::{copy_vertices, emission, reference, scattering, set_scattering};
+pub(crate) use path_vertex::{copy_vertices, emission, reference, scattering, sensitivity, set_scattering};

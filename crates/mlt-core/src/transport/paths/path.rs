@@ -131,10 +131,7 @@ impl LightPath {
             );
         }
         self.update(view, scattering)?;
-        let passed = view.scene.transmittance(&self.vertices[s - 1].vertex, &self.vertices[s].vertex);
-        if passed == 0.0 {
-            return None;
-        }
+        let passed = view.scene.transmittance(&self.vertices[s - 1].vertex, &self.vertices[s].vertex)?;
         if passed < 1.0 {
             self.veil(s, passed);
         }

@@ -120,7 +120,7 @@ pub(super) fn set_emission(vertices: &mut [PathVertex], view: &View) -> Option<(
 #[inline(always)]
 pub(super) fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View) -> Option<()> {
     let [to_light, x, to_eye] = vertices.get_mut(i - 1..i + 2)? else { return None };
-    let found = view.scene.surface(&x.vertex, &mut Resolved::default()).evaluate(-to_light.to_eye, x.to_eye)?;
+    let found = scattering(view, &x.vertex, -to_light.to_eye, x.to_eye)?;
     x.scatter = view.scene.attenuated(found.value, &to_light.vertex, &x.vertex);
     to_eye.forward = x.per_area_there(found.pdf_to_eye);
     to_light.reverse = to_light.per_area_here(found.pdf_to_light);
@@ -131,7 +131,7 @@ pub(super) fn set_reflection(vertices: &mut [PathVertex], i: usize, view: &View)
 #[inline(always)]
 pub(super) fn set_sensitivity(vertices: &mut [PathVertex], view: &View) -> Option<()> {
     let [.., to_light, x] = vertices else { return None };
-    let found = sensitivity(view, x, -to_light.to_eye)?;
+    let found = sensitivity(view, &x.vertex, -to_light.to_eye)?;
     x.scatter = view.scene.attenuated(found.value, &to_light.vertex, &x.vertex);
     x.reverse = 1.0;
     to_light.reverse = to_light.per_area_here(found.pdf_to_light);
@@ -149,20 +149,16 @@ pub(crate) fn emission(view: &View, x: &Vertex, to_eye: Vec3A) -> Option<Evaluat
     (value != Rgb::ZERO).then_some(Evaluation { value, pdf_to_eye, pdf_to_light: 0.0 })
 }
 
-/// Scattering and densities at a surface or, as W_e, at the camera; `None`: nothing.
+/// f_s and densities at a surface; `None`: nothing.
 #[inline(always)]
-pub(crate) fn scattering(view: &View, x: &PathVertex, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
-    if x.vertex.is_camera() {
-        sensitivity(view, x, to_light)
-    } else {
-        view.scene.surface(&x.vertex, &mut Resolved::default()).evaluate(to_light, to_eye)
-    }
+pub(crate) fn scattering(view: &View, x: &Vertex, to_light: Vec3A, to_eye: Vec3A) -> Option<Evaluation> {
+    view.scene.surface(x, &mut Resolved::default()).evaluate(to_light, to_eye)
 }
 
 /// W_e, and the density of a direction to the light through a uniform film point; `None` behind the image.
 #[inline(always)]
-fn sensitivity(view: &View, x: &PathVertex, to_light: Vec3A) -> Option<Evaluation> {
-    let (lens, camera) = (&x.vertex, view.camera);
+pub(crate) fn sensitivity(view: &View, lens: &Vertex, to_light: Vec3A) -> Option<Evaluation> {
+    let camera = view.camera;
     let (value, pdf_to_light) = (Rgb::splat(camera.w_e(to_light)), camera.pdf(to_light));
     (lens.geometric_normal.dot(to_light) > 0.0).then_some(Evaluation { value, pdf_to_eye: 0.0, pdf_to_light })
 }

@@ -1,6 +1,8 @@
 //! A whole render: a method, its settings, and what it counted.
 
-use crate::engine::{Ending, Outcome, Standing, Watch};
+mod features;
+
+use crate::engine::{DecodeError, Ending, Outcome, Standing, Watch, put, sealed, unsealed};
 use crate::transport::methods::auto::{Auto, Plan, Summary};
 use crate::transport::methods::metropolis::PathMetropolis;
 use crate::transport::methods::primary::{Mmlt, Pssmlt};
@@ -9,6 +11,12 @@ use crate::transport::scene::View;
 use std::ops::{ControlFlow, Range};
 
 pub use crate::transport::methods::{Counts, Method, Observer, PilotCounts, Settings, Sums, film_of, film_unit};
+pub use features::{NOWHERE, SurfaceFeatures, strongest_strata, surfaces};
+
+/// First bytes of what a pilot found.
+const MAGIC: [u8; 8] = *b"mlt-plan";
+/// Version of their format.
+const VERSION: u32 = 1;
 
 /// A method that is set up for a view.
 #[derive(Debug)]
@@ -45,6 +53,44 @@ impl<'a> Renderer<'a> {
             Method::Path => Prepared::Path(PathTracing::new(view, settings)),
         };
         Some(Self { view, method })
+    }
+
+    /// Sets a render up that goes on, or shares the work: `pilot` is what [`pilot`](Self::pilot) gave in another render of the same view with
+    /// the same settings, and its rounds have the same bits as if the pilot had been run again.
+    ///
+    /// # Errors
+    ///
+    /// If the bytes are of something else, of another version or damaged, or do not fit view and settings.
+    pub fn following(view: View<'a>, settings: Settings, pilot: &[u8]) -> Result<Self, DecodeError> {
+        unsealed(pilot, MAGIC, VERSION, |from| {
+            let of = settings.method;
+            if from.number()? != of as u64 {
+                return Err(DecodeError::Foreign);
+            }
+            let method = match of {
+                Method::Auto => Prepared::Auto(Auto::following(view, settings, from)?),
+                Method::Metropolis => Prepared::Metropolis(PathMetropolis::following(view, settings, from)?),
+                Method::PrimaryBidirectional => Prepared::Pssmlt(Pssmlt::following(view, settings, from)?),
+                Method::Multiplexed => Prepared::Mmlt(Mmlt::following(view, settings, from)?),
+                Method::Bidirectional | Method::Path => return Err(DecodeError::Foreign),
+            };
+            Ok(Self { view, method })
+        })
+    }
+
+    /// What the pilot found, for [`following`](Self::following); nothing where the method has no pilot.
+    pub fn pilot(&self) -> Option<Vec<u8>> {
+        let (method, found) = match &self.method {
+            Prepared::Auto(method) => (Method::Auto, method.pilot()),
+            Prepared::Metropolis(method) => (Method::Metropolis, method.pilot()),
+            Prepared::Pssmlt(method) => (Method::PrimaryBidirectional, method.pilot()),
+            Prepared::Mmlt(method) => (Method::Multiplexed, method.pilot()),
+            Prepared::Bidirectional(_) | Prepared::Path(_) => return None,
+        };
+        Some(sealed(MAGIC, VERSION, |to| {
+            put(to, method as u64);
+            to.extend(found);
+        }))
     }
 
     /// A render with [`Method::Auto`] that follows a plan of the caller's.
@@ -96,7 +142,7 @@ mod tests {
     use crate::transport::colour::Rgb;
     use crate::transport::image::Target;
     use crate::transport::lights::Stratification;
-    use crate::transport::tests::worlds::{lambert, room};
+    use crate::transport::tests::worlds::{lambert, pond, room};
     use std::sync::atomic::{AtomicU64, Ordering};
 
     /// Whether a pilot that is stopped when it asks for the `last`-th time gives a renderer, and how often it has asked.
@@ -110,10 +156,10 @@ mod tests {
         (renderer.is_some(), asked.load(Ordering::Relaxed))
     }
 
-    #[test]
-    fn a_pilot_can_be_stopped_at_any_time() {
+    /// Settings with pilots of all kinds.
+    fn with_pilots() -> [Settings; 7] {
         let of = |method, change: fn(&mut Settings)| Settings::new(method, 1.0).with(change);
-        for settings in [
+        [
             of(Method::Auto, |_| ()),
             of(Method::Metropolis, |_| ()),
             of(Method::Metropolis, |s| s.stratification = Stratification::Grid(2, 2)),
@@ -121,7 +167,66 @@ mod tests {
             of(Method::Metropolis, |s| s.target = Target::Relative),
             of(Method::PrimaryBidirectional, |_| ()),
             of(Method::Multiplexed, |_| ()),
-        ] {
+        ]
+    }
+
+    fn two_rounds(renderer: &Renderer) -> Vec<u8> {
+        let mut sums = renderer.sums();
+        renderer.render(0..2, &mut sums, &mut |_, _| ControlFlow::Continue(()));
+        sums.to_bytes()
+    }
+
+    #[test]
+    fn what_a_pilot_found_takes_its_place() {
+        for (world, settings) in [room(lambert(Rgb::splat(0.5)), false), pond()]
+            .iter()
+            .flat_map(|world| with_pilots().map(|settings| (world, settings)))
+        {
+            let first = Renderer::new(world.view(), settings.clone());
+            let pilot = first.pilot().expect("a pilot");
+            let second = Renderer::following(world.view(), settings.clone(), &pilot).expect("sound");
+            assert!(two_rounds(&first) == two_rounds(&second), "{settings:?}");
+            assert_eq!(second.pilot(), Some(pilot.clone()));
+            assert_eq!(first.decision(), second.decision());
+            // The control: what another seed's pilot found is followed as well, and is something else.
+            let other = Renderer::new(world.view(), settings.clone().with(|s| s.seed = 1)).pilot().expect("a pilot");
+            let third = Renderer::following(world.view(), settings.clone(), &other).expect("sound");
+            assert!(two_rounds(&third) != two_rounds(&second) || other == pilot, "{settings:?}");
+        }
+        let world = room(lambert(Rgb::splat(0.5)), false);
+        assert_eq!(Renderer::new(world.view(), Settings::new(Method::Path, 1.0)).pilot(), None);
+    }
+
+    #[test]
+    fn a_pilot_s_bytes_are_not_trusted() {
+        let world = pond();
+        for settings in with_pilots().into_iter().filter(|settings| settings.target == Target::Luminance) {
+            let read = |bytes: &[u8]| Renderer::following(world.view(), settings.clone(), bytes).map(|_| ());
+            let pilot = Renderer::new(world.view(), settings.clone()).pilot().expect("a pilot");
+            let content = &pilot[12..pilot.len() - 32];
+            for at in 0..pilot.len() {
+                assert!(read(&pilot[..at]).is_err(), "{settings:?}: the first {at} bytes");
+                let mut damaged = pilot.clone();
+                damaged[at] ^= 1;
+                assert!(read(&damaged).is_err(), "{settings:?}: byte {at}");
+            }
+            // Bytes whose checksum is right make no panic, and a share of all numbers is refused.
+            for (at, value) in (0..content.len()).flat_map(|at| [0, 1, 127, 255].map(|value| (at, value))) {
+                let forged = |to: &mut Vec<u8>| {
+                    to.extend(content);
+                    to[12 + at] = value;
+                };
+                let _ = read(&sealed(MAGIC, VERSION, forged));
+            }
+            assert_eq!(read(&sealed(MAGIC, VERSION, |to| to.extend([0xff; 64]))), Err(DecodeError::Foreign));
+            let other = Settings::new(Method::Path, 1.0);
+            assert!(Renderer::following(world.view(), other, &pilot).is_err());
+        }
+    }
+
+    #[test]
+    fn a_pilot_can_be_stopped_at_any_time() {
+        for settings in with_pilots() {
             let (made, all) = watched(&settings, u64::MAX);
             assert!(made && all > 0, "{settings:?}");
             for last in [1, all.div_ceil(2), all] {

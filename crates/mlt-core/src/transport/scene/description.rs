@@ -4,13 +4,47 @@ use super::camera::CameraPose;
 use super::light::{Environment, PunctualLight};
 use super::material::Material;
 use super::textures::Texture;
-use crate::transport::geometry::Mesh;
+use crate::transport::geometry::{Mesh, Placement};
+use glam::{DAffine3, DVec3};
+
+/// Meshes that stand together in several places, and are held in memory once.
+#[derive(Clone, Debug, Default)]
+pub struct Prototype {
+    /// Triangles, in coordinates of their own. None of them may emit light.
+    pub meshes: Vec<Mesh>,
+    /// From these coordinates to the world, of each copy. One without an inverse shows nothing.
+    pub places: Vec<DAffine3>,
+}
+
+impl Prototype {
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.meshes.iter().map(|mesh| mesh.triangles.len()).sum()
+    }
+
+    /// Whether a place has an inverse, as far as numbers can tell.
+    pub fn can_stand_at(place: DAffine3) -> bool {
+        Placement::new(place).is_some()
+    }
+
+    /// World corners of the boxes around the copies, eight each.
+    pub fn corners(&self) -> impl Iterator<Item = DVec3> + Clone {
+        let points = || self.meshes.iter().flat_map(|mesh| mesh.positions.iter().copied());
+        let (low, high) = (points().fold(DVec3::INFINITY, DVec3::min), points().fold(DVec3::NEG_INFINITY, DVec3::max));
+        let corner =
+            move |i: usize| DVec3::from_array([0, 1, 2].map(|axis| if i >> axis & 1 == 0 { low } else { high }[axis]));
+        let corners = move |place: &DAffine3| [0, 1, 2, 3, 4, 5, 6, 7].map(|i| place.transform_point3(corner(i)));
+        self.places.iter().flat_map(corners)
+    }
+}
 
 /// A scene as its file says it: nothing derived yet.
 #[derive(Clone, Debug, Default)]
 pub struct SceneDescription {
     /// Triangles, world space.
     pub meshes: Vec<Mesh>,
+    /// Meshes that stand in several places.
+    pub prototypes: Vec<Prototype>,
     /// Referred to by the meshes.
     pub materials: Vec<Material>,
     /// Referred to by the materials.
@@ -33,6 +67,16 @@ pub struct SurfaceName {
 }
 
 impl SceneDescription {
+    /// The meshes in world space, then those of the prototypes.
+    pub fn all_meshes(&self) -> impl Iterator<Item = &Mesh> + Clone {
+        self.meshes.iter().chain(self.prototypes.iter().flat_map(|prototype| &prototype.meshes))
+    }
+
+    /// The same, to be changed.
+    pub fn all_meshes_mut(&mut self) -> impl Iterator<Item = &mut Mesh> {
+        self.meshes.iter_mut().chain(self.prototypes.iter_mut().flat_map(|prototype| &mut prototype.meshes))
+    }
+
     /// Whether anything gives light.
     pub fn is_lit(&self) -> bool {
         let emits = |mesh: &Mesh| self.materials[mesh.material as usize].emission.max_element() > 0.0;

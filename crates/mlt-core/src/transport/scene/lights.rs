@@ -90,8 +90,9 @@ impl Lights {
 
     #[inline]
     fn place(&self, primitive: u32) -> (u32, u32) {
-        // A light without a surface is all that has no triangle.
-        self.of_primitive.get(primitive as usize).copied().unwrap_or((primitive.wrapping_sub(LIGHT), 0))
+        // A light without a surface is all that has no triangle, but for copies, which do not emit.
+        let without_surface = || (primitive.checked_sub(LIGHT).unwrap_or(NONE), 0);
+        self.of_primitive.get(primitive as usize).copied().unwrap_or_else(without_surface)
     }
 
     /// Σ power.
@@ -131,14 +132,14 @@ impl Lights {
         let triangles = list.iter().map(|&p| (p as u32, primitives[p])).collect();
         if let Some(light) = Light::uneven(triangles, material.emission, glow) {
             self.add_numbers(&list);
-            self.lights.push(light.shining(material));
+            let emission = light.emission;
+            self.lights.push(light.shining(material, emission, 1.0));
         }
     }
 
     fn push(&mut self, light: Light, material: &Material, primitives: &[usize]) {
         self.add_numbers(primitives);
-        let measure = light.measure * f64::from(material.opacity);
-        self.lights.push(Light { emission: material.emission, measure, ..light.shining(material) });
+        self.lights.push(light.shining(material, material.emission, material.opacity));
     }
 
     /// Gives the next light these triangles.

@@ -2,7 +2,9 @@
 
 mod camera;
 mod check;
+mod copies;
 mod description;
+mod footprint;
 pub(crate) mod light;
 mod lights;
 mod material;
@@ -12,22 +14,24 @@ mod primitive;
 mod surface;
 mod textures;
 mod ties;
+mod triangles;
 mod veil;
 mod view;
 mod way;
 
-use crate::transport::accel::{Accel, coarse_size};
-use crate::transport::geometry::{ERROR_FACTOR, Hit, Place, Ray, Space, Sphere, Vertex};
+use crate::transport::accel::Accel;
+use crate::transport::geometry::{Hit, LIGHT, Ray, Space, Sphere, Vertex, points};
 use check::{check, drop_invisible, drop_unusable};
-use glam::{Vec3, Vec3A};
-use primitive::{FLAT, Primitive, primitives};
+use copies::Shape;
+use glam::{DVec3, Vec3, Vec3A};
 use std::cell::Cell;
-use ties::{Surfaces, Ties};
+use triangles::Triangles;
 use way::Way;
 
 pub use camera::{Camera, CameraPose, CameraRay, Lens};
 pub use check::UnusableScene;
-pub use description::{SceneDescription, SurfaceName};
+pub use description::{Prototype, SceneDescription, SurfaceName};
+pub use footprint::Footprint;
 pub(crate) use light::Piece;
 pub use light::{Cone, Environment, Light, LightPoint, Punctual, PunctualLight};
 pub use lights::Lights;
@@ -44,8 +48,8 @@ pub use view::View;
 #[derive(Debug)]
 pub struct Scene {
     accel: Accel,
-    primitives: Vec<Primitive>,
-    normals: Vec<[Vec3; 3]>,
+    triangles: Triangles,
+    shapes: Vec<Shape>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
     attributes: Attributes,
@@ -55,10 +59,16 @@ pub struct Scene {
     sphere: Sphere,
     /// Whether the camera sees what is beyond all surfaces.
     background: bool,
-    ties: Ties,
     overlaps: Vec<[SurfaceName; 2]>,
     dropped: usize,
     needs: Needs,
+}
+
+/// Triangles, and the acceleration structure that was built for them.
+#[derive(Debug)]
+pub struct SceneGeometry {
+    triangles: Vec<[Vec3; 3]>,
+    accel: Accel,
 }
 
 thread_local! {
@@ -71,8 +81,14 @@ pub fn rays_traced() -> u64 {
 }
 
 impl Scene {
-    /// Most triangles in a scene.
+    /// Most triangles in a scene, those of copies counted once.
     pub const MOST_TRIANGLES: usize = 1 << 27;
+
+    /// Most triangles in a scene, those of copies counted as often as they are seen.
+    pub const MOST_WITH_COPIES: usize = LIGHT as usize;
+
+    /// Memory for each copy of a prototype at the peak of [`new`](Self::new), bytes, with that of the description: measured.
+    pub const BYTES_PER_COPY: u64 = 600;
 
     /// Memory for each triangle at the peak of [`new`](Self::new), bytes, with that of the description: measured.
     pub const BYTES_PER_TRIANGLE: u64 = 420;
@@ -87,35 +103,44 @@ impl Scene {
     ///
     /// # Errors
     /// If there is no triangle or no light, or a mesh refers to what is not there.
-    pub fn new(mut description: SceneDescription) -> Result<Self, UnusableScene> {
+    pub fn new(description: SceneDescription) -> Result<Self, UnusableScene> {
+        Self::with_geometry(description, None)
+    }
+
+    /// The same of another scene's acceleration structure, if that was built for the same triangles.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn with_geometry(
+        mut description: SceneDescription,
+        geometry: Option<SceneGeometry>,
+    ) -> Result<Self, UnusableScene> {
         check(&description)?;
-        let dropped = description.meshes.iter_mut().map(drop_unusable).sum();
+        let dropped = description.all_meshes_mut().map(drop_unusable).sum();
         drop_invisible(&mut description);
         let needs = Needs::of(&description);
-        let SceneDescription { meshes, materials, .. } = &description;
-        let space =
-            Space::around(meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
-        let (mut primitives, normals) = primitives(&description, &space);
-        let triangles: Vec<_> = primitives.iter().map(|p: &Primitive| p.vertices).collect();
-        if triangles.is_empty() {
+        let SceneDescription { meshes, prototypes, materials, .. } = &description;
+        let of_copies = prototypes.iter().flat_map(Prototype::corners);
+        let space = Space::around(points(meshes).chain(of_copies.clone()));
+        let triangles = Triangles::new(meshes, materials, &space);
+        if triangles.primitives.is_empty() && prototypes.is_empty() {
             return Err(UnusableScene::NoTriangle);
         }
-        let mut lights = Lights::new(meshes, materials, &description.textures, &triangles);
+        let corners = triangles.corners();
+        let mut lights = Lights::new(meshes, materials, &description.textures, &corners);
         let without_surface = needs.environment || needs.punctual || needs.suns;
         if lights.lights.is_empty() && !without_surface {
             return Err(UnusableScene::NoLight);
         }
-        let coarse_size = coarse_size(&triangles);
-        primitives.iter_mut().for_each(|p| p.set_error(coarse_size));
-        let mesh_of: Vec<_> = (0..).zip(meshes).flat_map(|(i, m)| std::iter::repeat_n(i, m.triangles.len())).collect();
-        let ties = Ties::resolve(&mut primitives, materials, &mesh_of);
-        let overlaps = ties.overlaps().map(|pair| pair.map(|mesh| description.surface_name(mesh))).collect();
+        let overlaps = triangles.overlaps().map(|pair| pair.map(|mesh| description.surface_name(mesh))).collect();
+        let sphere =
+            Sphere::around(corners.iter().flatten().copied().chain(of_copies.map(|corner| space.point(corner))));
+        let (shapes, copies) = Shape::all(&description, &space, corners.len() as u32);
         let attributes = match needs.textured {
-            true => Attributes::take(&mut description.meshes, mesh_of),
+            true => Attributes::take(description.all_meshes_mut()),
             false => Attributes::default(),
         };
-        description.meshes = Vec::new();
-        let sphere = Sphere::around(triangles.iter().flatten().copied());
+        (description.meshes, description.prototypes) = (Vec::new(), Vec::new());
         let SceneDescription { mut materials, textures, environment, punctual, .. } = description;
         materials.iter_mut().for_each(|material| material.absorption /= space.length(1.0));
         let environment = environment.filter(|_| needs.environment);
@@ -127,11 +152,15 @@ impl Scene {
         if without_surface {
             materials.push(Material::default());
         }
-        let accel = Accel::new(&triangles);
+        let accel = match geometry {
+            Some(SceneGeometry { triangles: built, accel }) if built == corners => accel,
+            _ => Accel::new(&corners),
+        };
+        let accel = accel.with_copies(copies);
         Ok(Self {
             accel,
-            primitives,
-            normals,
+            triangles,
+            shapes,
             materials,
             textures,
             attributes,
@@ -139,11 +168,15 @@ impl Scene {
             space,
             sphere,
             background,
-            ties,
             overlaps,
             dropped,
             needs,
         })
+    }
+
+    /// Keeps the triangles and their acceleration structure, for a scene that may have the same; `None` of one with copies.
+    pub fn into_geometry(self) -> Option<SceneGeometry> {
+        self.shapes.is_empty().then(|| SceneGeometry { triangles: self.triangles.corners(), accel: self.accel })
     }
 
     /// A camera in this scene, for images of `size` pixels.
@@ -176,9 +209,14 @@ impl Scene {
         &self.materials
     }
 
-    /// Number of triangles.
+    /// Number of triangles, those of copies counted once.
     pub fn triangles(&self) -> usize {
-        self.primitives.len()
+        self.triangles.primitives.len() + self.shapes.iter().map(Shape::triangles).sum::<usize>()
+    }
+
+    /// World position of a vertex on a surface or on a lens.
+    pub fn world_position(&self, vertex: &Vertex) -> DVec3 {
+        self.space.world(vertex.position.into())
     }
 
     /// Triangles left out because a corner's position was not finite.
@@ -203,7 +241,7 @@ impl Scene {
         RAYS.set(RAYS.get() + 1);
         let ray = Ray::new(origin.into(), direction.into());
         let hit = self.accel.closest(&ray)?;
-        Some(self.vertex(&hit, &ray))
+        self.vertex(&hit, &ray)
     }
 
     /// Whether nothing stands between two vertices.
@@ -225,94 +263,23 @@ impl Scene {
         &self.materials[vertex.material as usize]
     }
 
+    /// The vertex of a hit; `None`: there is no such triangle.
     #[inline(always)]
-    fn vertex(&self, hit: &Hit, ray: &Ray) -> Vertex {
-        let p = &self.primitives[hit.primitive as usize];
-        if p.coarse | p.shared
-            && let Some(apart) = self.vertex_apart(*hit, *ray)
-        {
-            return apart;
-        }
-        self.interpolated(hit)
-    }
-
-    /// The vertex of a hit on a triangle that is coarse or shares its place; `None`: that of any other hit. By value: what a call
-    /// refers to has to lie in memory even where it is not made.
-    #[cold]
-    fn vertex_apart(&self, hit: Hit, ray: Ray) -> Option<Vertex> {
-        let position = Vec3A::from(ray.at(ray.plane_parameter(self.primitives[hit.primitive as usize].vertices)));
-        let primitive = self.seen(hit.primitive, position, Vec3A::from(-ray.direction));
-        let p = &self.primitives[primitive as usize];
-        if primitive == hit.primitive && !p.coarse {
-            return None;
-        }
-        let [u, v] =
-            if primitive == hit.primitive { Some([hit.u, hit.v]) } else { p.weights(position) }.unwrap_or_default();
-        let vertex = self.interpolated(&Hit { primitive, u, v, ..hit });
-        if !p.coarse {
+    fn vertex(&self, hit: &Hit, ray: &Ray) -> Option<Vertex> {
+        let Some((mut vertex, weights)) = self.triangles.vertex(&self.materials, hit, ray) else {
+            let vertex = self.vertex_of_copy(*hit, *ray)?;
             return Some(vertex);
+        };
+        if self.needs.normal_maps {
+            vertex.shading_normal = self.bent_normal(vertex, weights);
         }
-        let error = vertex.error.max(ERROR_FACTOR * position.abs().max_element());
-        Some(Vertex { position: ray.at(ray.plane_parameter(p.vertices)).into(), error, ..vertex })
+        Some(vertex)
     }
 
     /// Whether another surface is seen in a vertex's place from a direction.
     #[inline(always)]
     fn is_hidden(&self, vertex: &Vertex, towards: Vec3A) -> bool {
-        vertex.shared && self.seen(vertex.primitive, vertex.position, towards) != vertex.primitive
-    }
-
-    /// Which of the triangles at a point of one is seen from a direction.
-    #[cold]
-    fn seen(&self, primitive: u32, position: Vec3A, towards: Vec3A) -> u32 {
-        let surfaces = Surfaces { primitives: &self.primitives, materials: &self.materials };
-        self.ties.winner(surfaces, primitive, position, towards)
-    }
-
-    #[inline(always)]
-    fn interpolated(&self, hit: &Hit) -> Vertex {
-        let p = &self.primitives[hit.primitive as usize];
-        let mix = |corners: [Vec3; 3]| {
-            let [a, b, c] = corners.map(Vec3A::from);
-            (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c
-        };
-        let smooth = (p.normals != FLAT).then(|| mix(self.normals[p.normals as usize]));
-        let mut vertex = self.vertex_at(hit.primitive, mix(p.vertices), smooth);
-        if self.needs.normal_maps {
-            vertex.shading_normal = self.bent_normal(vertex, [hit.u, hit.v]);
-        }
-        vertex
-    }
-
-    /// The interpolated normal at barycentric weights of a triangle, which no map has bent.
-    fn smooth_normal(&self, primitive: u32, [u, v]: [f32; 2]) -> Vec3A {
-        let p = &self.primitives[primitive as usize];
-        let smooth = (p.normals != FLAT).then(|| {
-            let [a, b, c] = self.normals[p.normals as usize].map(Vec3A::from);
-            (1.0 - u - v) * a + u * b + v * c
-        });
-        self.vertex_at(primitive, Vec3A::ZERO, smooth).shading_normal
-    }
-
-    #[inline(always)]
-    fn vertex_at(&self, primitive: u32, position: Vec3A, smooth_normal: Option<Vec3A>) -> Vertex {
-        let p = &self.primitives[primitive as usize];
-        let normal = Vec3A::from(p.normal);
-        let shading_normal = match smooth_normal {
-            None => normal,
-            Some(n) => n.normalize_or(normal) * 1f32.copysign(n.dot(normal)),
-        };
-        Vertex {
-            position,
-            geometric_normal: normal,
-            shading_normal,
-            primitive,
-            material: p.material,
-            error: p.error,
-            delta: p.delta,
-            emits: p.emits,
-            shared: p.shared,
-            place: Place::Surface,
-        }
+        vertex.shared
+            && self.triangles.seen(&self.materials, vertex.primitive, vertex.position, towards) != vertex.primitive
     }
 }

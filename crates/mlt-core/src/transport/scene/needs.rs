@@ -31,8 +31,9 @@ pub struct Needs {
 impl Needs {
     /// Of a scene; materials that no mesh has do not count.
     pub(super) fn of(description: &SceneDescription) -> Self {
-        let SceneDescription { meshes, materials, environment, punctual, .. } = description;
-        let any = |has: fn(&Material) -> bool| meshes.iter().any(|mesh| has(&materials[mesh.material as usize]));
+        let SceneDescription { materials, environment, punctual, .. } = description;
+        let any =
+            |has: fn(&Material) -> bool| description.all_meshes().any(|mesh| has(&materials[mesh.material as usize]));
         Self {
             specular: any(|material| material.bsdf.is_delta()),
             veils: any(Material::is_veil),

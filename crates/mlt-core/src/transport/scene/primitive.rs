@@ -1,9 +1,8 @@
 //! A triangle with all that a hit needs.
 
-use super::description::SceneDescription;
 use super::material::Material;
 use crate::transport::accel::{COARSE, size};
-use crate::transport::geometry::{ERROR_FACTOR, Mesh, Space};
+use crate::transport::geometry::{ERROR_FACTOR, Mesh, Place, Space, Vertex};
 use glam::{DVec3, Vec3, Vec3A};
 
 /// [`Primitive::normals`] of a triangle whose shading normal is its own.
@@ -34,6 +33,24 @@ pub(super) struct Primitive {
 const _: () = assert!(size_of::<Primitive>() == 64);
 
 impl Primitive {
+    /// A vertex at a position on it, with its own normal to shade with; `number`: its index.
+    #[inline(always)]
+    pub(super) fn vertex(&self, number: u32, position: Vec3A) -> Vertex {
+        let normal = Vec3A::from(self.normal);
+        Vertex {
+            position,
+            geometric_normal: normal,
+            shading_normal: normal,
+            primitive: number,
+            material: self.material,
+            error: self.error,
+            delta: self.delta,
+            emits: self.emits,
+            shared: self.shared,
+            place: Place::Surface,
+        }
+    }
+
     /// Largest absolute coordinate.
     pub(super) fn reach(&self) -> f32 {
         self.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max)
@@ -70,10 +87,10 @@ impl Primitive {
 
 /// The triangles of all meshes, one mesh after the other, and the corner normals of those that are not flat. What depends on
 /// other triangles is not set.
-pub(super) fn primitives(description: &SceneDescription, space: &Space) -> (Vec<Primitive>, Vec<[Vec3; 3]>) {
+pub(super) fn primitives(meshes: &[Mesh], materials: &[Material], space: &Space) -> (Vec<Primitive>, Vec<[Vec3; 3]>) {
     let (mut primitives, mut normals) = (Vec::new(), Vec::new());
-    for mesh in &description.meshes {
-        append(mesh, &description.materials[mesh.material as usize], space, &mut primitives, &mut normals);
+    for mesh in meshes {
+        append(mesh, &materials[mesh.material as usize], space, &mut primitives, &mut normals);
     }
     (primitives, normals)
 }

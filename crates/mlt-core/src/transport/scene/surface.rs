@@ -49,13 +49,13 @@ impl Scene {
     #[inline(always)]
     pub fn surface<'a>(&'a self, vertex: &'a Vertex, room: &'a mut Resolved) -> Surface<'a> {
         let material = self.material(vertex);
-        match &material.textured {
-            Some(textured) if self.needs.textured => {
-                let bsdf = self.resolve(textured, *vertex, room);
-                Surface { vertex, bsdf, bent: textured.maps.normal.is_some() && !bsdf.is_delta() }
-            }
-            _ => Surface { vertex, bsdf: &material.bsdf, bent: false },
+        if self.needs.textured
+            && let Some(textured) = &material.textured
+        {
+            let bsdf = self.resolve(textured, *vertex, room);
+            return Surface { vertex, bsdf, bent: textured.maps.normal.is_some() && !bsdf.is_delta() };
         }
+        Surface { vertex, bsdf: &material.bsdf, bent: false }
     }
 
     /// The BSDF of a textured surface at a vertex. Takes vertices by value: a reference would keep them out of registers.

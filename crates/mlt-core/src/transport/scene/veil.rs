@@ -46,15 +46,30 @@ impl Scene {
 
     /// The same from a point that is on no surface.
     #[inline(always)]
-    pub(crate) fn follow_ray(&self, mut origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
+    pub(crate) fn follow_ray(&self, origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
+        let (vertex, passed) = match self.needs.veils {
+            false => (self.first_vertex(origin, direction)?, 1.0),
+            true => self.follow_through_veils(origin, direction, rng)?,
+        };
+        Some((vertex, passed))
+    }
+
+    /// The first surface along a ray, or the environment beyond all surfaces.
+    #[inline(always)]
+    fn first_vertex(&self, origin: Vec3A, direction: Vec3A) -> Option<Vertex> {
+        let vertex = match self.trace_ray(origin, direction) {
+            Some(vertex) => vertex,
+            None => self.beyond(direction)?,
+        };
+        Some(vertex)
+    }
+
+    #[inline(never)]
+    fn follow_through_veils(&self, mut origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
         let mut passed = 1.0;
         loop {
-            let Some(vertex) = self.trace_ray(origin, direction) else {
-                return Some((self.beyond(direction)?, passed));
-            };
-            if !self.needs.veils {
-                return Some((vertex, passed));
-            }
+            // The environment is opaque.
+            let vertex = self.first_vertex(origin, direction)?;
             let opacity = self.opacity(&vertex);
             if opacity >= 1.0 || uniform_f32(rng) < opacity {
                 return Some((vertex, passed));
@@ -64,9 +79,10 @@ impl Scene {
         }
     }
 
-    /// τ between two vertices; 0 if an opaque surface stands there, and between the camera and what it does not see beyond them.
+    /// τ between two vertices; `None` if an opaque surface stands there, and between the camera and what it does not see beyond all
+    /// surfaces.
     #[inline(always)]
-    pub fn transmittance(&self, a: &Vertex, b: &Vertex) -> f32 {
+    pub fn transmittance(&self, a: &Vertex, b: &Vertex) -> Option<f32> {
         if !Vertex::are_on_surfaces(a, b) {
             return self.transmittance_of_others(*a, *b);
         }
@@ -75,32 +91,32 @@ impl Scene {
 
     /// The same where an end is not on a surface. Takes vertices by value: a reference would keep them out of registers.
     #[cold]
-    fn transmittance_of_others(&self, a: Vertex, b: Vertex) -> f32 {
+    fn transmittance_of_others(&self, a: Vertex, b: Vertex) -> Option<f32> {
         let way = Way::between(&a, &b);
         if way.endless && !self.background && (a.is_camera() || b.is_camera()) {
-            return 0.0;
+            return None;
         }
         self.transmittance_along(way)
     }
 
     #[inline(always)]
-    fn transmittance_along(&self, way: Way) -> f32 {
-        if self.needs.veils { self.veils_along(way) } else { f32::from(u8::from(self.is_clear(&way.ray()))) }
+    fn transmittance_along(&self, way: Way) -> Option<f32> {
+        if self.needs.veils { self.veils_along(way) } else { self.is_clear(&way.ray()).then_some(1.0) }
     }
 
     #[inline(never)]
-    fn veils_along(&self, mut way: Way) -> f32 {
+    fn veils_along(&self, mut way: Way) -> Option<f32> {
         let mut passed = 1.0;
         loop {
             RAYS.set(RAYS.get() + 1);
             let ray = way.ray();
             let Some(hit) = self.accel.closest(&ray) else {
-                return passed;
+                return Some(passed);
             };
-            let veil = self.vertex(&hit, &ray);
+            let veil = self.vertex(&hit, &ray)?;
             passed *= 1.0 - self.opacity(&veil);
             if passed <= 0.0 {
-                return 0.0;
+                return None;
             }
             way.from = veil.origin(way.step());
         }

@@ -17,9 +17,10 @@ impl Way {
     /// put it behind a small surface that is seen from a large one.
     #[inline(always)]
     pub(super) fn segment(a: &Vertex, b: &Vertex) -> Self {
-        let (a, b) = if a.error <= b.error { (a, b) } else { (b, a) };
         let towards_b = b.position - a.position;
-        Self { from: a.origin(towards_b), to: b.origin(-towards_b), endless: false }
+        let (at_a, at_b) = (a.origin(towards_b), b.origin(-towards_b));
+        let (from, to) = if a.error <= b.error { (at_a, at_b) } else { (at_b, at_a) };
+        Self { from, to, endless: false }
     }
 
     /// The way between any two vertices: from a point to a distant one, and from the plane that parallel rays start from.

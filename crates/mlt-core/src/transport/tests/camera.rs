@@ -5,6 +5,7 @@ use crate::engine::{Generator, Purpose, generator, uniform_f32};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::geometry::math::{cosine_hemisphere, frame};
+use crate::transport::scene::Camera;
 use glam::{Vec2, Vec3A};
 use std::f64::consts::PI;
 
@@ -41,6 +42,28 @@ fn a_point_leads_back_to_its_film_point() {
     }
     let camera = room(lambert(Rgb::ONE), false).camera;
     assert_eq!((camera.pixel(Vec2::new(0.99, 0.0)), camera.pixel(Vec2::new(0.0, 0.99))), (15, 240));
+}
+
+/// A part of a view sees through its film points what the whole sees through those, and W_e is over its own area.
+#[test]
+fn a_part_of_a_view_is_the_view_there() {
+    for (name, World { camera, .. }) in worlds() {
+        let (whole, part) = (camera.with_size([40, 20]), camera.with_size([40, 20]).part([10, 5], [8, 10]));
+        let mut rng = generator(5, Purpose::Image, 0, 0, 0);
+        for _ in 0..100 {
+            let (film, lens) = (pair(&mut rng), whole.sample_lens(&mut rng));
+            let there = (Vec2::new(10.0, 5.0) + film * Vec2::new(8.0, 10.0)) / Vec2::new(40.0, 20.0);
+            let [a, b] = [whole.sample(there, &lens), part.sample(film, &lens)];
+            assert!(a.origin.distance(b.origin) + a.step.distance(b.step) < 1e-5, "{name}: {a:?} {b:?}");
+            let (seen, direction) = (seen(a.origin, a.step, 1.0), a.direction());
+            assert!(part.project(&lens, &seen, direction).unwrap().distance(film) < 1e-4, "{name}");
+            for of in [Camera::w_e, Camera::pdf] {
+                assert!((of(&part, direction) / of(&whole, direction) - 10.0).abs() < 1e-3, "{name}");
+            }
+        }
+        let outside = whole.sample(Vec2::new(0.24, 0.5), &whole.vertex());
+        assert_eq!(part.project(&whole.vertex(), &seen(outside.origin, outside.step, 1.0), outside.direction()), None);
+    }
 }
 
 /// Mean and z of its difference from 1.

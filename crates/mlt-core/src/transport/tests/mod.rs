@@ -2,6 +2,7 @@
 
 pub(crate) mod balance;
 mod camera;
+mod features;
 pub(crate) mod paths;
 mod rooms;
 mod sky;

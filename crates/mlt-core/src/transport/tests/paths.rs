@@ -155,7 +155,7 @@ fn samples_for_the_image_are_those_of_paths() {
 pub(crate) fn set_edges_anew(path: &mut LightPath, scene: &Scene) {
     for i in 0..path.edges() {
         let [x, y] = [0, 1].map(|end| path.vertices[i + end].vertex);
-        let edge = Edge::along(path.vertices[i].to_eye, &x, &y).veiled(scene.transmittance(&x, &y));
+        let edge = Edge::along(path.vertices[i].to_eye, &x, &y).veiled(scene.transmittance(&x, &y).unwrap_or(0.0));
         set_edge(&mut path.vertices[i], edge);
     }
 }

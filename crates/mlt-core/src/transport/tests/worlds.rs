@@ -223,6 +223,13 @@ pub(crate) fn pond() -> World {
         .seen(v(0., 1., 4.), v(0., 0., 3.), 80.0, [16, 16])
 }
 
+/// The box behind a wall that is open at one side: light comes to the front through the opening alone.
+pub(crate) fn door() -> World {
+    let v = DVec3::new;
+    let wall = quad([v(-1., -1., 0.4), v(0.2, -1., 0.4), v(0.2, 1., 0.4), v(-1., 1., 0.4)]);
+    see(walls().surface(wall, lambert(Rgb::splat(0.5))))
+}
+
 /// A material that is there for the share `opacity`.
 pub(crate) fn veil(bsdf: Bsdf, opacity: f32) -> Material {
     Material { bsdf, opacity, ..Material::default() }

@@ -56,7 +56,8 @@ impl Measured {
     ) -> Option<Self> {
         let [w, h] = sampler.size().map(u64::from);
         let sequences = if samples < LONG { 4 } else { 2 };
-        let of_pixel = |pixel| watch.unless_stopped(|| Pixel::new(sampler, parts, pixel, [sequences, samples], seed));
+        let pieces = watch.pieces((w * h) as usize);
+        let of_pixel = |pixel| pieces.unless_stopped(|| Pixel::new(sampler, parts, pixel, [sequences, samples], seed));
         let pixels: Vec<_> = (0..w * h).into_par_iter().map(of_pixel).collect::<Option<_>>()?;
         let (n, taken) = (sequences as f64, (samples * sequences) as f64);
         let variance = |s: &[f64; 2]| (s[1] - s[0] * s[0] / n).max(0.0) / (n - 1.0) * samples as f64;

@@ -18,6 +18,7 @@ mod plan;
 mod render;
 mod share;
 mod tails;
+mod written;
 
 use super::bidirectional::Bidirectional;
 use super::counts::PilotCounts;
@@ -47,6 +48,9 @@ pub use constants::{TIME_OF_A_BIDIRECTIONAL_RAY, TIME_OF_A_CHAINS_RAY};
 pub use parts::SomePaths;
 pub use plan::{PartSummary, Plan, Summary};
 pub use render::Auto;
+
+/// Shares of the pilot's time at which its steps begin, about: path tracing, bidirectional path tracing, tails, chains, and more of them.
+const STEPS: [f64; 6] = [0.0, 0.1, 0.25, 0.5, 0.7, 1.0];
 
 /// The task that a pilot finds a plan for.
 struct Pilot<'a> {
@@ -91,6 +95,11 @@ impl Pilot<'_> {
         };
         let plan = Plan { independent, chained: chains.kinds, shares: chains.shares, summary, strata };
         Some((plan, sampled + sought + chained))
+    }
+
+    /// For the step of this number.
+    fn part(&self, step: usize) -> Watch<'_> {
+        self.watch.part(STEPS[step], STEPS[step + 1])
     }
 
     /// The strata of the parts that may be left to chains.
@@ -140,17 +149,17 @@ impl Pilot<'_> {
         path_space: &[LightStratum],
         findings: &Findings,
     ) -> Option<(Vec<Costs>, Vec<Measure>, PilotCounts)> {
-        let measure = |rounds| {
-            let (chains, tally) = self.chains(view, path_space, findings, rounds)?;
+        let measure = |rounds, part| {
+            let (chains, tally) = self.chains(view, path_space, findings, (rounds, self.part(part)))?;
             let measures = chains.iter().map(|c| c.measure).collect();
             Some((findings.costs(&chains), measures, PilotCounts::of(&tally)))
         };
-        let (costs, chains, first) = measure(ROUNDS)?;
+        let (costs, chains, first) = measure(ROUNDS, 3)?;
         let more = self.more_rounds(view.camera.pixels());
         if more <= ROUNDS || self.choose(findings, &costs).best().chain_work == 0.0 {
             return Some((costs, chains, first));
         }
-        let (costs, chains, second) = measure(more)?;
+        let (costs, chains, second) = measure(more, 4)?;
         Some((costs, chains, first + second))
     }
 
@@ -185,8 +194,8 @@ impl Pilot<'_> {
         let tracer = PathTracer { view, light_sampler, max_edges, max_image_edges: max_edges, branches: 1 };
         let connected = Bidirectional { view, region, max_edges };
         Some(PerMethod {
-            path: Measured::new(&tracer, parts, path, self.seed, self.watch)?,
-            bidirectional: Measured::new(&connected, parts, bidirectional, self.seed, self.watch)?,
+            path: Measured::new(&tracer, parts, path, self.seed, self.part(0))?,
+            bidirectional: Measured::new(&connected, parts, bidirectional, self.seed, self.part(1))?,
         })
     }
 
@@ -213,7 +222,7 @@ impl Pilot<'_> {
     ) -> Option<(Vec<PerMethod<Tail>>, PilotCounts)> {
         let largest = |part: usize| measured.as_ref().map(|m| m.largest[part]);
         let largest: Vec<_> = parts.open_to_chains().into_iter().map(largest).collect();
-        let (importance, lights, seed, watch) = (self.importance, self.lights, self.seed, self.watch);
+        let (importance, lights, seed, watch) = (self.importance, self.lights, self.seed, self.part(2));
         let mutations = ROUNDS * self.mutations(view.camera.pixels(), strata.len());
         let tails = Tails { view, importance, lights, seed, weights, watch };
         let (found, spent) = tails.measure(strata, &largest, mutations)?;
@@ -226,7 +235,7 @@ impl Pilot<'_> {
         view: View,
         strata: &[LightStratum],
         findings: &Findings,
-        rounds: u64,
+        (rounds, watch): (u64, Watch),
     ) -> Option<(Vec<Chained>, Tally)> {
         let mutations = self.mutations(view.camera.pixels(), strata.len());
         let share = Share { mutations, samples: mutations.div_ceil(MUTATIONS_PER_SAMPLE) };
@@ -236,7 +245,7 @@ impl Pilot<'_> {
         let pixels = view.camera.pixels();
         let (rounds_of_pilot, weigh) = (CHAIN_PILOT..CHAIN_PILOT + rounds, |_: &[f64]| findings.weights.to_vec());
         let pilot = |chains: Metropolis<_, _, _, _>| {
-            chains.counting(rays_traced).partial().pilot(pixels, rounds_of_pilot, &weigh, self.watch)
+            chains.counting(rays_traced).partial().pilot(pixels, rounds_of_pilot, &weigh, watch)
         };
         // Where paths may have one edge only, no part is open to chains.
         let Piloted { measures, images, tally } =

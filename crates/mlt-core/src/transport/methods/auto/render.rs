@@ -4,7 +4,7 @@ use super::candidates::Sampler;
 use super::parts::SomePaths;
 use super::plan::{Plan, Summary};
 use super::{Pilot, PilotCounts};
-use crate::engine::{Metropolis, Mixture, Outcome, Share, Watch};
+use crate::engine::{Counted, DecodeError, Metropolis, Mixture, Outcome, Reader, Share, Watch};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::bidirectional::Bidirectional;
@@ -38,6 +38,26 @@ impl<'a> Auto<'a> {
             Pilot { view, importance: &importance, lights: &lights, stratification, max_edges, seed, per_pixel, watch };
         let (plan, pilot) = pilot.run()?;
         Some(Self { view, settings, importance, lights, plan, pilot })
+    }
+
+    /// The same with what [`pilot`](Self::pilot) gives.
+    pub(in crate::transport) fn following(
+        view: View<'a>,
+        settings: Settings,
+        from: &mut Reader,
+    ) -> Result<Self, DecodeError> {
+        let importance = PixelImportance::read(view.camera.pixels(), from)?;
+        let (plan, lights) = (Plan::read(view, &settings, from)?, LightRegion::whole(view.scene.lights()));
+        Ok(Self { view, settings, importance, lights, plan, pilot: PilotCounts::read(from)? })
+    }
+
+    /// What the pilot found, as bytes.
+    pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.importance.write(&mut bytes);
+        self.plan.write(&mut bytes);
+        self.pilot.write(&mut bytes);
+        bytes
     }
 
     /// Follows a plan of the caller's.

@@ -76,9 +76,10 @@ impl Tails<'_> {
         mutations: u64,
     ) -> Option<(Vec<PerMethod<Tail>>, PilotCounts)> {
         let chains: Vec<_> = (0..parts.len() as u64 * CHAINS).collect();
+        let pieces = self.watch.pieces(chains.len());
         let of_chain = |&i: &u64| {
             let part = (i / CHAINS) as usize;
-            self.watch.unless_stopped(|| {
+            pieces.unless_stopped(|| {
                 let before = rays_traced();
                 (self.of_chain(&parts[part], largest[part], i, mutations / CHAINS), rays_traced() - before)
             })

@@ -9,7 +9,7 @@ use crate::transport::geometry::Vertex;
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::mis::{self, Ends, square};
-use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd, PathVertex, emission, scattering};
+use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd, PathVertex, emission, scattering, sensitivity};
 use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;
 
@@ -104,7 +104,7 @@ impl Bidirectional<'_> {
     fn connection(&self, scratch: &Scratch, s: usize, t: usize) -> Option<(Option<u32>, DVec3)> {
         let (eye, from_eye) = (&scratch.eye.vertices[scratch.eye.vertices.len() - t..], scratch.eye.carried(t));
         let y = &eye[0];
-        if y.vertex.delta | y.vertex.is_distant() {
+        if y.vertex.delta {
             return None;
         }
         let LightSubpath { subpath, preference, .. } = self.beginning(s, &scratch.light, &scratch.near);
@@ -121,14 +121,13 @@ impl Bidirectional<'_> {
         };
         let at_x = match s {
             1 => emission(&self.view, &x.vertex, edge.direction)?,
-            _ => scattering(&self.view, x, -light[s - 2].to_eye, edge.direction)?,
+            _ => scattering(&self.view, &x.vertex, -light[s - 2].to_eye, edge.direction)?,
         };
-        let at_y = scattering(&self.view, y, -edge.direction, y.to_eye)?;
-        let passed = scene.transmittance(&x.vertex, &y.vertex);
-        if passed == 0.0 {
-            return None;
-        }
-        let edge = edge.veiled(passed);
+        let at_y = match t {
+            1 => sensitivity(&self.view, &y.vertex, -edge.direction)?,
+            _ => scattering(&self.view, &y.vertex, -edge.direction, y.to_eye)?,
+        };
+        let edge = edge.veiled(scene.transmittance(&x.vertex, &y.vertex)?);
         let per_area =
             |pdf: f32, end: usize| f64::from(pdf) * f64::from(edge.cosines[end]) * f64::from(edge.inverse_square);
         let forward = per_area(at_x.pdf_to_eye, 1);

@@ -149,6 +149,7 @@ impl Bidirectional<'_> {
         SCRATCH.with_borrow_mut(|scratch| {
             let lens = self.view.camera.sample_lens(rng);
             self.trace_eye(film, &lens, scratch, rng);
+            scratch.path.cross(&self.view, film);
             for t in 2..=scratch.eye.len() {
                 if let Some(weight) = self.connect(scratch, [0, t], area) {
                     visit(&scratch.path, weight / scratch.eye.carried(t).survival);
@@ -177,6 +178,8 @@ impl Bidirectional<'_> {
         let (lights, eyes) = (scratch.light.subpath.len(), scratch.eye.len());
         for t in 1..=eyes {
             self.start_near(scratch, t);
+            // Without further vertices, the path crosses the image where it is connected to the camera.
+            scratch.path.cross(&self.view, scratch.film);
             for s in 2usize.saturating_sub(t)..=(self.max_edges + 1 - t).min(lights) {
                 let light_survival = if s == 0 { 1.0 } else { scratch.light.subpath.carried(s).survival };
                 if let Some(weight) = self.connect(scratch, [s, t], area) {
@@ -270,9 +273,10 @@ impl Bidirectional<'_> {
         if s == 1 && self.region.light_sampler().has_choice() { one } else { many }
     }
 
-    /// Assembles the path with s light and t camera vertices; returns w_s/p_s, `None` where the contribution is zero.
+    /// Assembles the path with s light and t camera vertices, which is known to cross the image at the film point of the latter unless
+    /// t = 1; returns w_s/p_s, `None` where the contribution is zero.
     fn connect(&self, scratch: &mut Scratch, [s, t]: [usize; 2], area: f64) -> Option<f64> {
-        let Scratch { light, near, eye, film, path, .. } = scratch;
+        let Scratch { light, near, eye, path, .. } = scratch;
         let LightSubpath { subpath: light, point, preference } = self.beginning(s, light, near);
         let eye = &eye.vertices[eye.vertices.len() - t..];
         if s > 0 && (eye[0].vertex.delta || light.vertices[s - 1].vertex.delta) {
@@ -282,7 +286,6 @@ impl Bidirectional<'_> {
         path.vertices.extend_from_slice(&light.vertices[..s]);
         path.vertices.extend_from_slice(eye);
         path.light = *point;
-        path.cross(&self.view, *film);
         let mut ends = Ends { power: self.region.power(), preference: *preference, area };
         if s == 0 {
             path.light = self.view.scene.lights().point(eye[0].vertex.primitive, eye[0].vertex.position)?;

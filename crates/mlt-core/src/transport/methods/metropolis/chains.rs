@@ -10,7 +10,6 @@ use crate::transport::lights::{LightRegion, LightStrata};
 use crate::transport::methods::run::metropolis;
 use crate::transport::methods::samples::{Samples, fitted_shares, mutations_per_sample, paired};
 use crate::transport::methods::settings::Settings;
-use crate::transport::methods::target::importance;
 use crate::transport::paths::LightPath;
 use crate::transport::scene::View;
 
@@ -25,9 +24,12 @@ pub(super) struct PathChains<'a> {
 }
 
 impl<'a> PathChains<'a> {
-    pub(super) fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
-        let (importance, lights) = (importance(view, &settings, watch)?, LightRegion::whole(view.scene.lights()));
-        Some(Self { view, settings, importance, lights })
+    pub(super) fn new(view: View<'a>, settings: Settings, importance: PixelImportance) -> Self {
+        Self { view, settings, importance, lights: LightRegion::whole(view.scene.lights()) }
+    }
+
+    pub(super) fn importance(&self) -> &PixelImportance {
+        &self.importance
     }
 
     /// The strata asked for, and their shares as far as a pilot fits them.

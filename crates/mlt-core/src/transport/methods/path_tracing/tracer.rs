@@ -14,7 +14,7 @@ use crate::transport::lights::LightSampler;
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd};
-use crate::transport::scene::{LightPoint, Resolved, Sampled, View};
+use crate::transport::scene::{LightPoint, Resolved, Sampled, Surface, View};
 use glam::{DVec3, Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
 
@@ -45,11 +45,6 @@ struct Walk {
     to_eye: Vec3A,
     /// Product of scattering and cosines over densities.
     throughput: Rgb,
-    /// Density per solid angle of the step to `vertex`, over the squared length of the step unless that is distant; `None` if it could not have been
-    /// drawn on a light: by a delta BSDF, or from the camera unless lights are drawn for it.
-    pdf: Option<f32>,
-    /// Where that step began; for the camera, the middle of its lens.
-    before: Vertex,
     edges: usize,
     /// Whether it came here by specular surfaces alone.
     straight: bool,
@@ -81,23 +76,45 @@ impl PathTracer<'_> {
         let drawn = camera.has_tiny_lights() && !vertex.is_met_by_one_ray(&lens);
         let pdf = drawn.then(|| camera.pdf(direction) * passed / vertex.distance_squared(&lens));
         let throughput = scene.attenuated(Rgb::ONE, &vertex, &lens);
-        let walk =
-            Walk { vertex, to_eye: -direction, throughput, pdf, before: camera.vertex(), edges: 1, straight: true };
-        self.gather(&walk, rng, visit);
+        let walk = Walk { vertex, to_eye: -direction, throughput, edges: 1, straight: true };
+        self.show_emitted(&walk, &camera.vertex(), pdf, visit);
         if self.branches == 1 {
             self.go_on(walk, rng, visit);
-            return;
+        } else {
+            self.go_apart(walk, rng, visit);
         }
-        let share = 1.0 / f64::from(self.branches);
-        let mut visit = |radiance, end: PathEnd| visit(radiance * share, end);
-        (0..self.branches).for_each(|i| self.go_on(walk.clone(), rng.branch(i, self.branches), &mut visit));
     }
 
     /// Grows the path until it ends.
     #[inline(always)]
     fn go_on(&self, mut walk: Walk, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
-        while self.may_go_on(&walk) && self.scatter(&mut walk, rng).is_some() {
-            self.gather(&walk, rng, visit);
+        while self.may_go_on(&walk) {
+            let mut room = Resolved::default();
+            let surface = self.view.scene.surface(&walk.vertex, &mut room);
+            self.show_direct(&walk, surface, rng, visit);
+            let Some(sampled) = surface.sample_to_light(walk.to_eye, rng) else { return };
+            if self.step(&mut walk, sampled, rng, visit).is_none() {
+                return;
+            }
+        }
+    }
+
+    /// Grows several paths from the first surface on. What the lights send there they share.
+    fn go_apart(&self, walk: Walk, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
+        if !self.may_go_on(&walk) {
+            return;
+        }
+        let mut room = Resolved::default();
+        let surface = self.view.scene.surface(&walk.vertex, &mut room);
+        self.show_direct(&walk, surface, rng, visit);
+        let share = 1.0 / f64::from(self.branches);
+        let mut visit = |radiance, end: PathEnd| visit(radiance * share, end);
+        for i in 0..self.branches {
+            let (mut walk, rng) = (walk.clone(), rng.branch(i, self.branches));
+            let Some(sampled) = surface.sample_to_light(walk.to_eye, rng) else { continue };
+            if self.step(&mut walk, sampled, rng, &mut visit).is_some() {
+                self.go_on(walk, rng, &mut visit);
+            }
         }
     }
 
@@ -107,39 +124,47 @@ impl PathTracer<'_> {
         walk.edges < if image { self.max_image_edges } else { self.max_edges }
     }
 
-    /// Shows the light that a path brings: what its end emits and what the lights send there.
+    /// Shows what a path's end emits. The step to it began at `from` (of the camera, in the middle of its lens) with the density `pdf` per
+    /// solid angle, over its squared length unless the end is distant; `None` if it could not have been drawn on a light: by a delta BSDF,
+    /// or from the camera unless lights are drawn for it.
     #[inline(always)]
-    fn gather(&self, walk: &Walk, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
+    fn show_emitted(&self, walk: &Walk, from: &Vertex, pdf: Option<f32>, visit: &mut impl FnMut(DVec3, PathEnd)) {
         if walk.vertex.emits {
             let kind = match walk {
                 Walk { edges: 1, .. } => Kind::new(1, false),
                 Walk { straight: true, .. } => Kind::IMAGE,
-                _ => Kind::new(walk.edges, walk.pdf.is_none()),
+                _ => Kind::new(walk.edges, pdf.is_none()),
             };
-            let radiance = walk.throughput * self.emitted(walk);
+            let radiance = walk.throughput * self.emitted([*from, walk.vertex], walk.to_eye, pdf);
             visit(radiance.as_dvec3(), PathEnd { kind, light: LightEnd::Met(&walk.vertex) });
         }
+    }
+
+    /// Shows what the lights send to a path's end, which is on this surface.
+    #[inline(always)]
+    fn show_direct(&self, walk: &Walk, surface: Surface, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         if walk.edges < self.max_edges
             && !(walk.vertex.delta | walk.vertex.is_distant())
-            && let Some((direct, point)) = self.direct(walk, rng)
+            && let Some((direct, point)) = self.direct(walk, surface, rng)
         {
             let kind = Kind::new(walk.edges + 1, false);
             visit((walk.throughput * direct).as_dvec3(), PathEnd { kind, light: LightEnd::Drawn(&point) });
         }
     }
 
-    /// Emission met by the last step, weighed against having drawn that point on the light.
-    fn emitted(&self, walk: &Walk) -> Rgb {
+    /// Emission met by a step to x, weighed against having drawn that point on the light. By value, as what is referred to has to lie in
+    /// memory.
+    fn emitted(&self, [from, x]: [Vertex; 2], to_eye: Vec3A, pdf: Option<f32>) -> Rgb {
         let scene = self.view.scene;
-        let emitted = scene.emitted(&walk.vertex, walk.to_eye);
-        let (lights, x) = (scene.lights(), &walk.vertex);
-        if let (Some(pdf), Some(number)) = (walk.pdf, lights.number(x.primitive))
+        let emitted = scene.emitted(&x, to_eye);
+        let lights = scene.lights();
+        if let (Some(pdf), Some(number)) = (pdf, lights.number(x.primitive))
             && emitted != Rgb::ZERO
             && let Some(point) = lights.point(x.primitive, x.position)
         {
-            let cos = x.geometric_normal.dot(walk.to_eye).abs();
-            let relative = scene.relative_exitance(&lights.lights[number.0 as usize], x, emitted);
-            let drawn = self.light_sampler.density(&walk.before, number, &point) * relative;
+            let cos = x.geometric_normal.dot(to_eye).abs();
+            let relative = scene.relative_exitance(&lights.lights[number.0 as usize], &x, emitted);
+            let drawn = self.light_sampler.density(&from, number, &point) * relative;
             return emitted * power_heuristic(pdf * cos, drawn as f32);
         }
         emitted
@@ -147,7 +172,7 @@ impl PathTracer<'_> {
 
     /// Light that arrives from a point drawn on the lights, weighed against meeting that point by scattering; and the point.
     #[inline(always)]
-    fn direct(&self, walk: &Walk, rng: &mut impl Rng) -> Option<(Rgb, LightPoint)> {
+    fn direct(&self, walk: &Walk, surface: Surface, rng: &mut impl Rng) -> Option<(Rgb, LightPoint)> {
         let scene = self.view.scene;
         let (point, density) = self.light_sampler.sample(&walk.vertex, uniform(rng), f64::from(uniform_f32(rng)));
         let (light, source) = scene.light_point(&point);
@@ -158,11 +183,8 @@ impl PathTracer<'_> {
             return None;
         }
         let density = (density * scene.relative_exitance(light, &source, emitted)) as f32;
-        let found = scene.surface(&walk.vertex, &mut Resolved::default()).evaluate(to_light, walk.to_eye)?;
-        let passed = scene.transmittance(&walk.vertex, &source);
-        if passed == 0.0 {
-            return None;
-        }
+        let found = surface.evaluate(to_light, walk.to_eye)?;
+        let passed = scene.transmittance(&walk.vertex, &source)?;
         let cos = leaving * edge.inverse_square * passed;
         let geometric = arriving * cos;
         let met = if source.can_be_met() { found.pdf_to_light * cos } else { 0.0 };
@@ -189,10 +211,7 @@ impl PathTracer<'_> {
             return None;
         }
         let density = density * scene.relative_exitance(light, &source, emitted);
-        let passed = scene.transmittance(&eye, &source);
-        if passed == 0.0 {
-            return None;
-        }
+        let passed = scene.transmittance(&eye, &source)?;
         let cos = eye.geometric_normal.dot(direction);
         let there = edge.cosines[0] * passed * edge.inverse_square;
         let weight = power_heuristic(density as f32, camera.pdf(direction) * there);
@@ -202,12 +221,17 @@ impl PathTracer<'_> {
         Some(())
     }
 
-    /// The next step; `None` where the path ends.
+    /// Goes the next step, into a direction drawn, and shows what is emitted there; `None` where the path ends.
     #[inline(always)]
-    fn scatter(&self, walk: &mut Walk, rng: &mut impl Rng) -> Option<()> {
+    fn step(
+        &self,
+        walk: &mut Walk,
+        sampled: Sampled,
+        rng: &mut impl Rng,
+        visit: &mut impl FnMut(DVec3, PathEnd),
+    ) -> Option<()> {
         let scene = self.view.scene;
-        let Sampled { to_light: direction, weight, pdf } =
-            scene.surface(&walk.vertex, &mut Resolved::default()).sample_to_light(walk.to_eye, rng)?;
+        let Sampled { to_light: direction, weight, pdf } = sampled;
         walk.throughput *= weight;
         if walk.edges >= CERTAIN_BOUNCES {
             // The root makes paths longer than their throughput alone: less noise for the time (docs/log/performance.md).
@@ -218,13 +242,16 @@ impl PathTracer<'_> {
             walk.throughput /= survival;
         }
         let (vertex, passed) = scene.follow(&walk.vertex, direction, rng)?;
-        let square = vertex.distance_squared(&walk.vertex);
-        walk.pdf = (!walk.vertex.delta).then_some(pdf * passed / square);
-        walk.throughput = scene.attenuated(walk.throughput, &vertex, &walk.vertex);
-        walk.straight &= walk.vertex.delta;
-        walk.before = std::mem::replace(&mut walk.vertex, vertex);
-        walk.to_eye = -direction;
-        walk.edges += 1;
+        let from = walk.vertex;
+        let pdf = (!from.delta).then_some(pdf * passed / vertex.distance_squared(&from));
+        *walk = Walk {
+            vertex,
+            to_eye: -direction,
+            throughput: scene.attenuated(walk.throughput, &vertex, &from),
+            edges: walk.edges + 1,
+            straight: walk.straight & from.delta,
+        };
+        self.show_emitted(walk, &from, pdf, visit);
         Some(())
     }
 }

@@ -1,11 +1,14 @@
 //! Chains of the two methods in primary sample space.
 
 use super::Part;
-use crate::engine::{Importance, Mixture, Mutation, Outcome, Path, Share, Splat, Stratum, Watch};
+use crate::engine::{
+    Counted, DecodeError, Importance, Mixture, Mutation, Outcome, Path, Reader, Share, Splat, Stratum, Watch,
+};
 use crate::primary::{PrimaryImportance, PrimaryMutation};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightStrata;
 use crate::transport::methods::counts::PilotCounts;
+use crate::transport::methods::found::{put_shares, read_shares};
 use crate::transport::methods::run::{Run, metropolis};
 use crate::transport::methods::samples::{Samples, fitted_shares};
 use crate::transport::methods::settings::Settings;
@@ -23,8 +26,37 @@ pub(super) struct PrimaryChains<'a> {
 
 impl<'a> PrimaryChains<'a> {
     pub(super) fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
+        let importance = importance(view, &settings, watch)?;
+        Some(Self::with_importance(view, settings, importance))
+    }
+
+    fn with_importance(view: View<'a>, settings: Settings, importance: PixelImportance) -> Self {
         let strata = LightStrata::new(view.scene.lights(), settings.stratification);
-        Some(Self { view, importance: importance(view, &settings, watch)?, strata, settings })
+        Self { view, importance, strata, settings }
+    }
+
+    /// The chains, the shares of their strata and what finding them took, from what [`found`](Self::found) gives.
+    pub(super) fn following(
+        view: View<'a>,
+        settings: Settings,
+        from: &mut Reader,
+    ) -> Result<(Self, Vec<Share>, PilotCounts), DecodeError> {
+        let importance = PixelImportance::read(view.camera.pixels(), from)?;
+        let shares = read_shares(settings.mutations_per_round(view), from)?;
+        let (chains, pilot) = (Self::with_importance(view, settings, importance), PilotCounts::read(from)?);
+        match chains.strata.regions().len() == shares.len() {
+            true => Ok((chains, shares, pilot)),
+            false => Err(DecodeError::Damaged),
+        }
+    }
+
+    /// What was found before the first round, as bytes.
+    pub(super) fn found(&self, shares: &[Share], pilot: PilotCounts) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.importance.write(&mut bytes);
+        put_shares(&mut bytes, shares);
+        pilot.write(&mut bytes);
+        bytes
     }
 
     /// State that the tracers share.

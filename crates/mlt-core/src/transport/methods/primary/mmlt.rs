@@ -6,7 +6,7 @@
 
 use super::Part;
 use super::chains::PrimaryChains;
-use crate::engine::{Importance, Outcome, Share, Splat, Watch, uniform, uniform_f32};
+use crate::engine::{DecodeError, Importance, Outcome, Reader, Share, Splat, Watch, uniform, uniform_f32};
 use crate::primary::{Output, PrimaryStratum, Stream, Streams, Tracer};
 use crate::transport::image::PixelImportance;
 use crate::transport::methods::counts::PilotCounts;
@@ -190,6 +190,22 @@ impl<'a> Mmlt<'a> {
         let chains = PrimaryChains::new(view, settings, watch)?;
         let (shares, pilot) = chains.shares(strata(&chains, &techniques), Samples::MULTIPLEXED, watch)?;
         Some(Self { chains, techniques, shares, pilot })
+    }
+
+    /// The same with what [`pilot`](Self::pilot) gives.
+    pub(in crate::transport) fn following(
+        view: View<'a>,
+        settings: Settings,
+        from: &mut Reader,
+    ) -> Result<Self, DecodeError> {
+        let techniques = Techniques::new(settings.most_edges());
+        let (chains, shares, pilot) = PrimaryChains::following(view, settings, from)?;
+        Ok(Self { chains, techniques, shares, pilot })
+    }
+
+    /// What was measured before the first round, as bytes.
+    pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
+        self.chains.found(&self.shares, self.pilot)
     }
 
     /// Adds rounds.

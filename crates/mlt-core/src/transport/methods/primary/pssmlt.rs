@@ -4,7 +4,7 @@
 
 use super::Part;
 use super::chains::PrimaryChains;
-use crate::engine::{Importance, Outcome, Share, Splat, Watch};
+use crate::engine::{DecodeError, Importance, Outcome, Reader, Share, Splat, Watch};
 use crate::primary::{Output, PrimaryStratum, Streams, Tracer};
 use crate::transport::image::PixelImportance;
 use crate::transport::methods::bidirectional::Bidirectional;
@@ -91,6 +91,21 @@ impl<'a> Pssmlt<'a> {
         let chains = PrimaryChains::new(view, settings, watch)?;
         let (shares, pilot) = chains.shares(strata(&chains), Samples::BIDIRECTIONAL, watch)?;
         Some(Self { chains, shares, pilot })
+    }
+
+    /// The same with what [`pilot`](Self::pilot) gives.
+    pub(in crate::transport) fn following(
+        view: View<'a>,
+        settings: Settings,
+        from: &mut Reader,
+    ) -> Result<Self, DecodeError> {
+        let (chains, shares, pilot) = PrimaryChains::following(view, settings, from)?;
+        Ok(Self { chains, shares, pilot })
+    }
+
+    /// What was measured before the first round, as bytes.
+    pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
+        self.chains.found(&self.shares, self.pilot)
     }
 
     /// Adds rounds.

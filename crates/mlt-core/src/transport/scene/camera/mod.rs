@@ -4,14 +4,16 @@
 //! density 1, and W_e is normalised over the image: ∫ W_e |cosθ| dω dA = 1, so ∫ f over all paths is the image's mean radiance.
 
 mod orthographic;
+mod part;
 mod pinhole;
 mod pose;
 mod thin_lens;
 
 use crate::engine::uniform_f32;
-use crate::transport::geometry::{Space, Vertex};
+use crate::transport::geometry::{Place, Space, Vertex};
 use glam::{Vec2, Vec3, Vec3A};
 use orthographic::Orthographic;
+use part::Part;
 use pinhole::Pinhole;
 use rand_pcg::rand_core::Rng;
 use thin_lens::ThinLens;
@@ -21,6 +23,8 @@ pub use pose::{CameraPose, Lens};
 /// A camera for images of a given size, in the scene's own coordinates.
 #[derive(Clone, Debug)]
 pub struct Camera {
+    /// In the middle of the lens.
+    vertex: Vertex,
     model: Model,
     size: [u32; 2],
     /// Whether a light may be smaller than a pixel.
@@ -53,20 +57,21 @@ impl CameraRay {
 
 impl Camera {
     pub(crate) fn new(pose: &CameraPose, space: &Space, size: [u32; 2]) -> Self {
-        let (position, axes, aspect) =
-            (space.point(pose.position), [pose.forward, pose.up], size.map(|side| side as f32));
-        let pinhole = |vertical_fov: f32| Pinhole::new(position, axes, vertical_fov, aspect);
+        let mut vertex = Vertex::camera(space.point(pose.position).into(), pose.forward.into());
+        let (up, aspect) = (pose.up, size.map(|side| side as f32));
+        let pinhole = |vertical_fov: f32| Pinhole::new(&vertex, up, vertical_fov, aspect);
         let model = match pose.lens {
             Lens::Thin { vertical_fov, radius, focus } if space.length(radius) >= f32::MIN_POSITIVE => {
                 let [radius, focus] = [radius, focus].map(|length| space.length(length));
-                Model::Thin(ThinLens::new(pinhole(vertical_fov), radius, focus))
+                Model::Thin(ThinLens::new(pinhole(vertical_fov), &vertex, radius, focus))
             }
             Lens::Pinhole { vertical_fov } | Lens::Thin { vertical_fov, .. } => Model::Pinhole(pinhole(vertical_fov)),
             Lens::Orthographic { height } => {
-                Model::Orthographic(Orthographic::new(position, axes, space.length(height), aspect))
+                vertex.place = Place::Parallel;
+                Model::Orthographic(Orthographic::new(&vertex, up, space.length(height), aspect))
             }
         };
-        Self { model, size, tiny_lights: false }
+        Self { vertex, model, size, tiny_lights: false }
     }
 
     /// The camera among some lights, each given by its centre and area.
@@ -77,7 +82,7 @@ impl Camera {
 
     /// Area that the rays of a pixel take up, across them, around a point.
     fn footprint(&self, point: Vec3) -> f64 {
-        let (vertex, pixels) = (self.vertex(), f64::from(self.pixels()));
+        let (vertex, pixels) = (&self.vertex, f64::from(self.pixels()));
         let square = f64::from(Vec3::from(vertex.position).distance_squared(point));
         match &self.model {
             Model::Pinhole(model) => f64::from(model.area) / pixels * square,
@@ -104,11 +109,7 @@ impl Camera {
     /// The vertex in the middle of the lens; the only one where there is no aperture.
     #[inline]
     pub fn vertex(&self) -> Vertex {
-        match &self.model {
-            Model::Pinhole(model) => model.vertex,
-            Model::Thin(model) => model.centre.vertex,
-            Model::Orthographic(model) => model.vertex,
-        }
+        self.vertex
     }
 
     /// Draws a vertex on the lens, with density 1; no number without an aperture.
@@ -116,7 +117,7 @@ impl Camera {
     pub fn sample_lens(&self, rng: &mut impl Rng) -> Vertex {
         match &self.model {
             Model::Thin(model) => model.vertex(Vec2::new(uniform_f32(rng), uniform_f32(rng))),
-            _ => self.vertex(),
+            _ => self.vertex,
         }
     }
 
@@ -138,6 +139,23 @@ impl Camera {
     #[must_use]
     pub fn with_size(&self, size: [u32; 2]) -> Self {
         Self { size, ..self.clone() }
+    }
+
+    /// The part of the view that `size` pixels from pixel `corner` on show: its image is those pixels alone, and as W_e is normalised
+    /// over the image, ∫ f over all paths becomes the mean radiance of the part.
+    #[must_use]
+    pub fn part(&self, corner: [u32; 2], size: [u32; 2]) -> Self {
+        let part = Part::of_pixels(corner, size, self.size);
+        let model = match &self.model {
+            Model::Pinhole(model) => Model::Pinhole(model.part(part)),
+            Model::Thin(model) => Model::Thin(model.part(part)),
+            Model::Orthographic(model) => Model::Orthographic(model.part(part)),
+        };
+        let position = match &model {
+            Model::Orthographic(model) => model.middle,
+            _ => self.vertex.position,
+        };
+        Self { vertex: Vertex { position, ..self.vertex }, model, size, tiny_lights: self.tiny_lights }
     }
 
     /// Number of pixels.

@@ -5,8 +5,8 @@
 //!
 //! Source: [Cook84].
 
-use super::CameraRay;
 use super::pinhole::Pinhole;
+use super::{CameraRay, Part};
 use crate::transport::geometry::Vertex;
 use crate::transport::geometry::math::square_to_disk;
 use glam::{Vec2, Vec3A};
@@ -15,8 +15,12 @@ use std::f32::consts::PI;
 /// Sees through a disc.
 #[derive(Clone, Debug)]
 pub(super) struct ThinLens {
-    /// At the centre.
+    /// The rays through its centre.
     pub centre: Pinhole,
+    /// The centre.
+    position: Vec3A,
+    /// Unit viewing direction.
+    forward: Vec3A,
     /// Unit vectors along the image's axes.
     axes: [Vec3A; 2],
     /// Radius of the disc.
@@ -26,10 +30,16 @@ pub(super) struct ThinLens {
 }
 
 impl ThinLens {
-    /// A disc about a pinhole.
-    pub(super) fn new(centre: Pinhole, radius: f32, focus: f32) -> Self {
+    /// A disc about a pinhole at a vertex.
+    pub(super) fn new(centre: Pinhole, vertex: &Vertex, radius: f32, focus: f32) -> Self {
         let axes = [centre.across, centre.along].map(Vec3A::normalize);
-        Self { centre, axes, radius, focus }
+        let (position, forward) = (vertex.position, vertex.geometric_normal);
+        Self { centre, position, forward, axes, radius, focus }
+    }
+
+    /// The same for a part of the image.
+    pub(super) fn part(&self, part: Part) -> Self {
+        Self { centre: self.centre.part(part), ..self.clone() }
     }
 
     /// The vertex at a uniform point of the disc.
@@ -41,9 +51,8 @@ impl ThinLens {
     /// The vertex at a point of the disc, whose radius is the unit.
     #[inline]
     fn at(&self, p: Vec2) -> Vertex {
-        let Vertex { position, geometric_normal, .. } = self.centre.vertex;
         let offset = self.radius * (p.x * self.axes[0] + p.y * self.axes[1]);
-        Vertex::camera(position + offset, geometric_normal)
+        Vertex::camera(self.position + offset, self.forward)
     }
 
     /// The vertex moved on the disc, whose radius is the unit; `None` beyond its rim.
@@ -55,7 +64,7 @@ impl ThinLens {
 
     #[inline]
     fn offset(&self, lens: &Vertex) -> Vec3A {
-        lens.position - self.centre.vertex.position
+        lens.position - self.position
     }
 
     /// The ray from a point of the disc through a film point.

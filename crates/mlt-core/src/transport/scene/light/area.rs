@@ -1,5 +1,6 @@
 //! Surfaces that emit, each with a map from the unit square in proportion to power.
 
+use super::triangles::Triangles;
 use super::uneven::Uneven;
 use super::{Light, Piece, Shape};
 use crate::transport::colour::Rgb;
@@ -11,7 +12,7 @@ pub(crate) enum Area {
     /// (u, v) ↦ origin + u·edges[0] + v·edges[1]; on the first of two triangles where u + v ≤ 1.
     Parallelogram { origin: Vec3, edges: [Vec3; 2], primitives: [u32; 2] },
     /// u runs through the triangles in proportion to their areas.
-    Triangles { primitives: Vec<u32>, cumulative: Vec<f64>, vertices: Vec<[Vec3; 3]> },
+    Triangles(Box<Triangles>),
     /// u runs through parts of the triangles in proportion to their power.
     Uneven(Box<Uneven>),
 }
@@ -24,22 +25,12 @@ impl Light {
 
     /// A light of triangles; `None` if their area is zero.
     pub(crate) fn triangles(list: impl Iterator<Item = (u32, [Vec3; 3])>) -> Option<Self> {
-        let (mut primitives, mut vertices, mut cumulative, mut area) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
-        for (primitive, [a, b, c]) in list {
-            let part = 0.5 * f64::from((b - a).cross(c - a).length());
-            if part > 0.0 && part.is_finite() {
-                area += part;
-                primitives.push(primitive);
-                vertices.push([a, b, c]);
-                cumulative.push(area);
-            }
-        }
-        cumulative.iter_mut().for_each(|c| *c /= area);
-        (area > 0.0).then(|| Self::surface(area, Area::Triangles { primitives, cumulative, vertices }))
+        let (triangles, area) = Triangles::new(list)?;
+        Some(Self::surface(area, Area::Triangles(Box::new(triangles))))
     }
 
     fn surface(area: f64, shape: Area) -> Self {
-        Self::new(Rgb::ZERO, area, Shape::Area(shape))
+        Self::new(Shape::Area(shape), area, Rgb::ZERO)
     }
 }
 
@@ -53,16 +44,7 @@ impl Area {
                 let corners = [at(low.x, low.y), at(high.x, low.y), at(low.x, high.y), at(high.x, high.y)];
                 (0, vec![Piece::new([low, high], &corners)])
             }
-            Self::Triangles { cumulative, vertices, .. } => {
-                let first = cumulative.partition_point(|&end| end <= low.x).min(vertices.len() - 1);
-                let last = cumulative.partition_point(|&end| end < high.x).min(vertices.len() - 1);
-                let piece = |i: usize| {
-                    let (begin, end) = interval(cumulative, i);
-                    let square = [DVec2::new(begin.max(low.x), low.y), DVec2::new(end.min(high.x), high.y)];
-                    Piece::new(square, &vertices[i])
-                };
-                (first as u32, (first..=last).map(piece).collect())
-            }
+            Self::Triangles(triangles) => triangles.pieces(low, high),
             Self::Uneven(uneven) => uneven.pieces(low, high),
         }
     }
@@ -71,7 +53,7 @@ impl Area {
     pub(super) fn sides(&self) -> DVec2 {
         match self {
             Self::Parallelogram { edges, .. } => DVec2::from_array(edges.map(|e| f64::from(e.length()))),
-            Self::Triangles { .. } | Self::Uneven(_) => DVec2::X,
+            Self::Triangles(_) | Self::Uneven(_) => DVec2::X,
         }
     }
 
@@ -80,7 +62,7 @@ impl Area {
     pub(super) fn grid(&self, size: [u32; 2]) -> [u32; 2] {
         match self {
             Self::Parallelogram { .. } => size,
-            Self::Triangles { .. } | Self::Uneven(_) => [size[0] * size[1], 1],
+            Self::Triangles(_) | Self::Uneven(_) => [size[0] * size[1], 1],
         }
     }
 
@@ -88,13 +70,7 @@ impl Area {
     pub(super) fn centre(&self) -> Vec3 {
         match self {
             Self::Parallelogram { origin, edges: [e, f], .. } => *origin + 0.5 * (*e + *f),
-            Self::Triangles { cumulative, vertices, .. } => {
-                let weighted = |(i, [a, b, c]): (usize, &[Vec3; 3])| {
-                    let (low, high) = interval(cumulative, i);
-                    ((high - low) as f32 / 3.0) * (*a + *b + *c)
-                };
-                vertices.iter().enumerate().map(weighted).sum()
-            }
+            Self::Triangles(triangles) => triangles.centre(),
             Self::Uneven(uneven) => uneven.centre(),
         }
     }
@@ -106,13 +82,7 @@ impl Area {
             Self::Parallelogram { origin, edges, primitives } => {
                 (primitives[usize::from(u + v > 1.0)], *origin + u as f32 * edges[0] + v as f32 * edges[1])
             }
-            Self::Triangles { primitives, cumulative, vertices } => {
-                let i = cumulative.partition_point(|&c| c <= u).min(primitives.len() - 1);
-                let (low, high) = interval(cumulative, i);
-                let [a, b, c] = vertices[i];
-                let [wb, wc] = on_triangle((u - low) / (high - low), v);
-                (primitives[i], (1.0 - wb - wc) * a + wb * b + wc * c)
-            }
+            Self::Triangles(triangles) => triangles.at(u, v),
             Self::Uneven(uneven) => uneven.at(u, v),
         }
     }
@@ -121,14 +91,7 @@ impl Area {
     pub(super) fn coordinates(&self, index: u32, position: Vec3) -> (f64, f64) {
         match self {
             Self::Parallelogram { origin, edges: [e, f], .. } => weights(position - *origin, *e, *f),
-            Self::Triangles { cumulative, vertices, .. } => {
-                let [a, b, c] = vertices[index as usize];
-                let (wb, wc) = weights(position - a, b - a, c - a);
-                let root = (wb + wc).min(1.0);
-                let (low, high) = interval(cumulative, index as usize);
-                let v = if root > 0.0 { (wc / root).min(1.0) } else { 0.0 };
-                (low + root * root * (high - low), v)
-            }
+            Self::Triangles(triangles) => triangles.coordinates(index, position),
             Self::Uneven(uneven) => uneven.coordinates(index, position),
         }
     }

@@ -4,7 +4,7 @@
 use super::uneven::Uneven;
 use super::{Area, Cone, Light, LightPoint, Shape, Source};
 use crate::engine::uniform_f32;
-use crate::transport::colour::Rgb;
+use crate::transport::colour::{Rgb, luminance};
 use crate::transport::geometry::math::cosine_hemisphere;
 use crate::transport::geometry::{ERROR_FACTOR, LIGHT, Place, Vertex};
 use crate::transport::scene::Scene;
@@ -17,26 +17,23 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn light_point(&self, point: &LightPoint) -> (&Light, Vertex) {
         let light = &self.lights.lights[point.light as usize];
-        match &light.shape {
-            Shape::Area(area) => {
-                let (primitive, position) = area.at(point.u, point.v);
-                let vertex = self.vertex_at(primitive, position.into(), None);
-                let p = &self.primitives[primitive as usize];
-                if p.coarse {
-                    // It is interpolated in f32, not found in f64.
-                    return (light, Vertex { error: vertex.error.max(ERROR_FACTOR * p.reach()), ..vertex });
-                }
-                (light, vertex)
-            }
-            Shape::Environment(around) => (light, self.distant(point.light, around.direction(point.u, point.v))),
-            Shape::Sun(sun) => (light, self.distant(point.light, sun.direction(point.u, point.v))),
-            Shape::Direction(rays) => {
-                (light, Vertex { place: Place::Direction, ..self.distant(point.light, rays.towards) })
-            }
-            Shape::Point(source) => {
-                (light, Vertex::free(point.light, [source.position.into(), source.cone.axis], self.black()))
-            }
-        }
+        let vertex = match &light.shape {
+            Shape::Area(area) => self.point_on_surface(area, point),
+            Shape::Environment(around) => self.distant(point.light, around.direction(point.u, point.v)),
+            Shape::Sun(sun) => self.distant(point.light, sun.direction(point.u, point.v)),
+            Shape::Direction(rays) => Vertex { place: Place::Direction, ..self.distant(point.light, rays.towards) },
+            Shape::Point(source) => Vertex::free(point.light, [source.position.into(), source.cone.axis], self.black()),
+        };
+        (light, vertex)
+    }
+
+    #[inline(always)]
+    fn point_on_surface(&self, area: &Area, point: &LightPoint) -> Vertex {
+        let (primitive, position) = area.at(point.u, point.v);
+        let p = &self.triangles.primitives[primitive as usize];
+        let vertex = p.vertex(primitive, position.into());
+        // It is interpolated in f32, not found in f64.
+        if p.coarse { Vertex { error: vertex.error.max(ERROR_FACTOR * p.reach()), ..vertex } } else { vertex }
     }
 
     /// Radiance that a vertex emits into a direction; intensity of a light at a point, irradiance of one in a direction. Zero where
@@ -96,7 +93,8 @@ impl Scene {
     pub(crate) fn relative_exitance(&self, light: &Light, vertex: &Vertex, emitted: Rgb) -> f64 {
         match &light.shape {
             Shape::Area(Area::Uneven(uneven)) => self.uneven_exitance(uneven, *vertex),
-            _ => light.relative_exitance(emitted),
+            Shape::Environment(_) => f64::from(luminance(emitted)) / f64::from(luminance(light.emission)),
+            Shape::Area(_) | Shape::Sun(_) | Shape::Point(_) | Shape::Direction(_) => 1.0,
         }
     }
 
@@ -139,7 +137,6 @@ impl Scene {
 
     /// The vertex of a distant light that a ray meets which meets nothing else.
     #[cold]
-    #[inline(always)]
     pub(in crate::transport::scene) fn beyond(&self, direction: Vec3A) -> Option<Vertex> {
         if self.needs.environment | self.needs.suns { self.distant_in(direction.normalize()) } else { None }
     }

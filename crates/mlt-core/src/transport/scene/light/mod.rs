@@ -12,6 +12,7 @@ mod environment;
 mod piece;
 mod punctual;
 mod sun;
+mod triangles;
 mod uneven;
 
 use super::material::Material;
@@ -48,11 +49,12 @@ pub struct Light {
     pub both_sides: bool,
     /// Of a surface: ∫ |cosθ| dω over what its radiance goes into, in the mean over the surface: π, 2π from both sides, less into a
     /// cone.
-    pub(super) spread: f32,
+    spread: f32,
     /// Measure of the whole light: of a surface its area times opacity, scene units²; of an environment 4π sr, of a sun its solid
     /// angle; 1 without extent.
     pub measure: f64,
     pub(crate) shape: Shape,
+    mean_exitance: f64,
 }
 
 /// How the unit square lies on the light.
@@ -71,31 +73,41 @@ pub(crate) enum Shape {
 }
 
 impl Light {
-    /// A light of this measure, from whose shape the rest follows.
-    fn new(emission: Rgb, measure: f64, shape: Shape) -> Self {
-        Self { emission, both_sides: false, spread: PI, measure, shape }
+    /// A light of this mean radiance that sends it from its fronts into all directions.
+    fn new(shape: Shape, measure: f64, emission: Rgb) -> Self {
+        Self::spreading(shape, measure, emission, PI)
     }
 
-    /// A surface with the directions that its material sends radiance into.
-    pub(super) fn shining(self, material: &Material) -> Self {
+    /// The same where ∫ |cosθ| dω over what a surface's radiance goes into is `spread`, in the mean over the surface.
+    fn spreading(shape: Shape, measure: f64, emission: Rgb, spread: f32) -> Self {
+        let brightness = luminance(emission);
+        let mean_exitance = match &shape {
+            Shape::Area(_) => f64::from(brightness * spread),
+            Shape::Environment(around) => f64::from(brightness) * around.sphere().cross_section(),
+            Shape::Sun(Sun { sphere, .. }) | Shape::Direction(Rays { sphere, .. }) => {
+                f64::from(brightness) * sphere.cross_section()
+            }
+            Shape::Point(source) => f64::from(brightness * source.cone.solid_angle()),
+        };
+        Self { emission, both_sides: false, spread, measure, shape, mean_exitance }
+    }
+
+    /// The same light with another mean radiance, on the sides and into the directions that a material sends it, where only a share of it
+    /// is there.
+    pub(super) fn shining(self, material: &Material, emission: Rgb, opacity: f32) -> Self {
         let both_sides = material.emits_both_sides;
         // Over a closed surface, which a lamp with a cone is, the mean of |cosθ| is ¼ on the front.
         let front = material.cone.map_or(PI, |cone| 0.25 * cone.solid_angle());
-        Self { both_sides, spread: if both_sides { 2.0 * front } else { front }, ..self }
+        let spread = if both_sides { 2.0 * front } else { front };
+        let light = Self::spreading(self.shape, self.measure * f64::from(opacity), emission, spread);
+        Self { both_sides, ..light }
     }
 
     /// Mean of M, the power that is emitted per measure, luminance: π L of a surface, twice that for both sides; π R² L of
     /// an environment or a sun, R being the radius of a sphere around the scene; ∫ I dω of a point, π R² E of a direction.
     #[inline]
     pub fn mean_exitance(&self) -> f64 {
-        match &self.shape {
-            Shape::Area(_) => f64::from(luminance(self.emission) * self.spread),
-            Shape::Environment(around) => f64::from(luminance(self.emission)) * around.sphere().cross_section(),
-            Shape::Sun(Sun { sphere, .. }) | Shape::Direction(Rays { sphere, .. }) => {
-                f64::from(luminance(self.emission)) * sphere.cross_section()
-            }
-            Shape::Point(source) => f64::from(luminance(self.emission) * source.cone.solid_angle()),
-        }
+        self.mean_exitance
     }
 
     /// π times the largest intensity that it sends anywhere: of a surface that sends its radiance into all directions its power.
@@ -110,15 +122,6 @@ impl Light {
     /// Whether it is more than one place.
     pub(crate) fn has_extent(&self) -> bool {
         !matches!(self.shape, Shape::Point(_) | Shape::Direction(_))
-    }
-
-    /// M over its mean where the light emits the radiance `emitted`, which is not zero, unless it is uneven.
-    #[inline]
-    fn relative_exitance(&self, emitted: Rgb) -> f64 {
-        match &self.shape {
-            Shape::Area(_) | Shape::Sun(_) | Shape::Point(_) | Shape::Direction(_) => 1.0,
-            Shape::Environment(_) => f64::from(luminance(emitted)) / f64::from(luminance(self.emission)),
-        }
     }
 
     /// Φ, ∫ M over the light.

@@ -94,7 +94,7 @@ impl PunctualLight {
                 (Shape::Direction(Rays { towards, sphere }), 1.0)
             }
         };
-        Light::new(scale * self.emission, 1.0, shape)
+        Light::new(shape, 1.0, scale * self.emission)
     }
 }
 

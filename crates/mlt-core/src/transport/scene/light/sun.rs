@@ -37,7 +37,7 @@ impl Sun {
         let half_sine_squared = libm::sin(0.5 * half).powi(2);
         let emission = irradiance * (1.0 / (PI * libm::sin(half).powi(2))) as f32;
         let shape = Shape::Sun(Self { towards, half_sine_squared, sphere });
-        Light::new(emission, 2.0 * TAU * half_sine_squared, shape)
+        Light::new(shape, 2.0 * TAU * half_sine_squared, emission)
     }
 
     /// The unit direction towards a point of the unit square.

@@ -32,16 +32,25 @@ struct MeshAttributes {
 }
 
 impl Attributes {
-    /// Those of some meshes, from which they are taken away; `mesh_of`: the mesh of each triangle.
-    pub(crate) fn take(meshes: &mut [Mesh], mesh_of: Vec<u32>) -> Self {
-        let mut first = 0;
-        let taken = meshes.iter_mut().map(|mesh| {
-            let begin = first;
-            first += mesh.triangles.len() as u32;
+    /// Those of some meshes, from which they are taken away.
+    pub(crate) fn take<'a>(meshes: impl Iterator<Item = &'a mut Mesh>) -> Self {
+        let mut all = Self::default();
+        for (number, mesh) in (0..).zip(meshes) {
             let Mesh { triangles, uv, colours, tangents, .. } = std::mem::take(mesh);
-            MeshAttributes { first: begin, triangles, uv, colours, tangents }
-        });
-        Self { meshes: taken.collect(), mesh_of }
+            let first = all.mesh_of.len() as u32;
+            all.mesh_of.extend(std::iter::repeat_n(number, triangles.len()));
+            all.meshes.push(MeshAttributes { first, triangles, uv, colours, tangents });
+        }
+        all
+    }
+
+    /// Memory that they take, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let of_mesh = |mesh: &MeshAttributes| {
+            let uv: usize = mesh.uv.iter().map(|set| size_of_val(&set[..])).sum();
+            uv + size_of_val(&mesh.triangles[..]) + size_of_val(&mesh.colours[..]) + size_of_val(&mesh.tangents[..])
+        };
+        size_of_val(&self.mesh_of[..]) + self.meshes.iter().map(of_mesh).sum::<usize>()
     }
 
     /// On a mesh that is not taken yet, at barycentric weights of a triangle's second and third vertex.
@@ -56,28 +65,27 @@ impl Attributes {
         coordinates(&mesh.uv, &mesh.colours, corners, weights)
     }
 
-    /// Tangent, along which u grows, and bitangent, along which v falls as it does in an image, at a point of a triangle with
-    /// these vertices: the file's, or else those of the triangle. Of any length; `None`: there are no coordinates.
-    pub(crate) fn tangents(
+    /// Tangent, along which u grows, of any length, and the sign of the bitangent, along which v falls as it does in an image, at a point
+    /// of a triangle with these edges from its first vertex: the file's, or else those of the triangle; `None`: there are no coordinates.
+    pub(crate) fn tangent(
         &self,
         primitive: u32,
         weights: [f32; 2],
         set: usize,
-        frame: TriangleFrame,
-    ) -> Option<[Vec3A; 2]> {
+        [e, f]: [Vec3A; 2],
+    ) -> Option<(Vec3A, f32)> {
         let (mesh, corners) = self.corners(primitive);
         if let Some(tangent) = interpolated(&mesh.tangents, corners, weights) {
-            let along = Vec3A::from(tangent.xyz());
-            return Some([along, frame.normal.cross(along) * tangent.w.signum()]);
+            return Some((tangent.xyz().into(), tangent.w.signum()));
         }
         let uv = corners.map(|corner| mesh.uv[set].get(corner as usize).copied());
         let [a, b, c] = [uv[0]?, uv[1]?, uv[2]?];
-        let ([e, f], [p, q]) = (frame.edges, [b - a, c - a]);
+        let [p, q] = [b - a, c - a];
         let area = p.perp_dot(q);
         // In glTF v grows downwards, and a normal map's y upwards.
         let sign = 1f32.copysign(area);
         let along = sign * (q.y * e - p.y * f);
-        (along.length_squared() > 0.0).then(|| [along, frame.normal.cross(along) * -sign])
+        (along.length_squared() > 0.0).then_some((along, -sign))
     }
 
     #[inline]
@@ -85,13 +93,6 @@ impl Attributes {
         let mesh = &self.meshes[self.mesh_of[primitive as usize] as usize];
         (mesh, mesh.triangles[(primitive - mesh.first) as usize])
     }
-}
-
-/// A triangle's edges from its first vertex, and the normal about which tangents lie.
-#[derive(Clone, Copy)]
-pub(crate) struct TriangleFrame {
-    pub(crate) edges: [Vec3A; 2],
-    pub(crate) normal: Vec3A,
 }
 
 #[inline]

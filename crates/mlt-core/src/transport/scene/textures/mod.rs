@@ -7,7 +7,7 @@ mod textured;
 use super::Scene;
 use crate::transport::bsdf::Bsdf;
 use crate::transport::geometry::Vertex;
-pub(super) use coordinates::{Attributes, Coordinates, TriangleFrame};
+pub(super) use coordinates::{Attributes, Coordinates};
 use glam::Vec3A;
 
 pub use texture::{Encoding, Filter, Pixels, Texture, Wrap, srgb_to_linear};
@@ -16,8 +16,15 @@ pub use textured::{Alpha, ChannelMap, Map, Maps, NormalMap, Textured};
 impl Scene {
     /// Texture coordinates at a vertex, from its position on its triangle.
     pub(super) fn coordinates(&self, vertex: &Vertex) -> Coordinates {
-        let weights = self.primitives[vertex.primitive as usize].nearest_weights(vertex.position);
-        self.attributes.at(vertex.primitive, weights)
+        self.placed(vertex).1
+    }
+
+    /// The same, behind barycentric weights of its triangle.
+    fn placed(&self, vertex: &Vertex) -> ([f32; 2], Coordinates) {
+        let held = self.held(vertex.primitive);
+        let position = held.placement.map_or(vertex.position, |placement| placement.point_in_shape(vertex.position));
+        let weights = held.primitive.nearest_weights(position);
+        (weights, self.attributes.at(held.number, weights))
     }
 
     /// The shading normal that a vertex's normal map gives it, at barycentric weights of its triangle. Takes the vertex by
@@ -30,8 +37,7 @@ impl Scene {
 
     /// The BSDF of a textured surface at a vertex.
     pub(super) fn textured_bsdf(&self, textured: &Textured, vertex: &Vertex) -> Bsdf {
-        let weights = self.primitives[vertex.primitive as usize].nearest_weights(vertex.position);
-        let place = self.attributes.at(vertex.primitive, weights);
+        let (weights, place) = self.placed(vertex);
         let tangents = textured.brushed_along().and_then(|set| {
             let ([along, across], normal) = (self.tangents(vertex, weights, set)?, vertex.shading_normal);
             let along = (along - normal * normal.dot(along)).try_normalize()?;
@@ -39,7 +45,7 @@ impl Scene {
             Some([along, aside * 1f32.copysign(aside.dot(across))])
         });
         let coat_normal = textured.coat_normal().map(|map| {
-            let smooth = Vertex { shading_normal: self.smooth_normal(vertex.primitive, weights), ..*vertex };
+            let smooth = Vertex { shading_normal: self.smooth_normal(vertex, weights), ..*vertex };
             map.map_or(smooth.shading_normal, |map| self.mapped_normal(&map, &smooth, weights))
         });
         textured.bsdf(&self.textures, &place, tangents, coat_normal)
@@ -50,14 +56,19 @@ impl Scene {
         let Some(tangents) = self.tangents(vertex, weights, usize::from(map.map.set)) else {
             return vertex.shading_normal;
         };
-        let place = self.attributes.at(vertex.primitive, weights);
+        let place = self.attributes.at(self.held(vertex.primitive).number, weights);
         map.normal(&self.textures, &place, tangents, [vertex.shading_normal, vertex.geometric_normal])
     }
 
     /// Tangent and bitangent at barycentric weights of a vertex's triangle, of any length, from a set of texture coordinates.
     fn tangents(&self, vertex: &Vertex, weights: [f32; 2], set: usize) -> Option<[Vec3A; 2]> {
-        let [a, b, c] = self.primitives[vertex.primitive as usize].vertices.map(Vec3A::from);
-        let frame = TriangleFrame { edges: [b - a, c - a], normal: vertex.shading_normal };
-        self.attributes.tangents(vertex.primitive, weights, set, frame)
+        let held = self.held(vertex.primitive);
+        let [a, b, c] = held.primitive.vertices.map(Vec3A::from);
+        let (mut tangent, mut sign) = self.attributes.tangent(held.number, weights, set, [b - a, c - a])?;
+        if let Some(placement) = held.placement {
+            tangent = placement.vector(tangent);
+            sign *= placement.handedness();
+        }
+        Some([tangent, vertex.shading_normal.cross(tangent) * sign])
     }
 }

@@ -127,6 +127,15 @@ pub struct Texture {
 }
 
 impl Texture {
+    /// Memory of the images of some textures, each image counted once, bytes.
+    pub(crate) fn bytes(textures: &[Self]) -> usize {
+        let image = |texture: &Self| (Arc::as_ptr(&texture.pixels), texture.pixels.bytes.len());
+        let mut images: Vec<_> = textures.iter().map(image).collect();
+        images.sort_unstable();
+        images.dedup();
+        images.iter().map(|(_, bytes)| bytes).sum()
+    }
+
     /// An image as one kind of parameter reads it.
     pub fn new(pixels: Arc<Pixels>, wrap: [Wrap; 2], filter: Filter, encoding: Encoding) -> Self {
         let (linear, srgb) = (&*LINEAR, &*SRGB);

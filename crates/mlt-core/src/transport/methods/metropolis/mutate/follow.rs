@@ -9,6 +9,8 @@
 //! q_i = forward_i / P(event)       after a specular vertex   (reverse_i where the tracing goes towards the light)
 //! q_i = reverse_i                  after the camera.
 //!
+//! The pivot perturbation turns an edge about a point on it instead: another [`Turn`], with another density.
+//!
 //! All of them are taken relative to the density g of [`mis`], which changes at the vertices that are kept, too.
 
 use crate::transport::geometry::Vertex;
@@ -118,7 +120,27 @@ impl LogUniform {
     }
 }
 
-/// Perturbations that begin at the camera: the camera ray is moved, and what leaves a diffuse vertex is turned.
+/// A way of going on from a replaced vertex towards the light.
+pub(super) trait Turn {
+    /// Replaces x_{i−1} by y_{i−1}, which is met from y_i, and sets the edge between them. Returns the quotient of the densities of x_{i−1}
+    /// and y_{i−1}, over that of a turn by an angle.
+    fn follow(view: &View, current: &LightPath, proposal: &mut LightPath, i: usize, rng: &mut impl Rng) -> Option<f64>;
+}
+
+/// Turns a direction by an angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ByAngle;
+
+impl Turn for ByAngle {
+    #[inline(always)]
+    fn follow(view: &View, current: &LightPath, proposal: &mut LightPath, i: usize, rng: &mut impl Rng) -> Option<f64> {
+        let direction = next_direction(view, [current, proposal], i, Towards::Light, rng)?;
+        follow_from_eye(&mut proposal.vertices, i, direction, view, rng)?;
+        Some(1.0)
+    }
+}
+
+/// Perturbations that begin at the camera: the camera ray is moved, and the edge behind a diffuse vertex is turned.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FromEye<'a> {
     view: View<'a>,
@@ -139,7 +161,7 @@ impl<'a> FromEye<'a> {
 
     /// Replaces x_{k−1} … x_m by perturbed vertices; on the image the path stays in the stratum's part. Then connects x_m to x_{m−1},
     /// unless it is a light itself, and returns T(y→x)/T(x→y).
-    pub(super) fn perturb(
+    pub(super) fn perturb<T: Turn>(
         &self,
         current: &LightPath,
         proposal: &mut LightPath,
@@ -156,9 +178,9 @@ impl<'a> FromEye<'a> {
             proposal.vertices[last].vertex = self.moved_on_lens(&current.vertices[last].vertex, rng)?;
         }
         start_at_eye(&mut proposal.vertices, last, film, view, rng)?;
+        let mut turns = 1.0;
         for i in (m + 1..last).rev() {
-            let direction = next_direction(view, [current, proposal], i, Towards::Light, rng)?;
-            follow_from_eye(&mut proposal.vertices, i, direction, view, rng)?;
+            turns *= T::follow(view, current, proposal, i, rng)?;
         }
         if proposal.vertices[m].vertex.delta {
             return None;
@@ -171,7 +193,7 @@ impl<'a> FromEye<'a> {
         } else {
             proposal.connect(view, m, changed)?;
         }
-        Some(ratio([current, proposal], m..last, |path, i| density_from_eye(view, path, i)))
+        Some(turns * ratio([current, proposal], m..last, |path, i| density_from_eye(view, path, i)))
     }
 }
 

@@ -10,7 +10,7 @@
 //!
 //! Source: [VeachGuibas97], section 5.3.3.
 
-use super::follow::{FromEye, SUITABILITY};
+use super::follow::{ByAngle, FromEye, SUITABILITY};
 use crate::engine::Mutation;
 use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::LightPath;
@@ -49,7 +49,7 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for LensPerturbation<'_> {
         within: &LightStratum<'a>,
         rng: &mut impl Rng,
     ) -> Option<f64> {
-        self.from_eye.perturb(current, proposal, first_diffuse(current, current.edges()), within, rng)
+        self.from_eye.perturb::<ByAngle>(current, proposal, first_diffuse(current, current.edges()), within, rng)
     }
 }
 

@@ -6,6 +6,7 @@ mod follow;
 mod lens;
 mod multi_chain;
 pub(in crate::transport::methods) mod perturbations;
+mod pivot;
 #[cfg(test)]
 mod tests;
 
@@ -20,6 +21,7 @@ pub use caustic::CausticPerturbation;
 pub use lens::LensPerturbation;
 pub use multi_chain::MultiChainPerturbation;
 pub use perturbations::Perturbations;
+pub use pivot::PivotPerturbation;
 
 /// One of the mutations, chosen without a virtual call.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +34,8 @@ pub enum PathMutation<'a> {
     Caustic(CausticPerturbation<'a>),
     /// Moves the path on the image and turns what lies behind.
     MultiChain(MultiChainPerturbation<'a>),
+    /// Moves the path on the image and turns what lies behind about points on its edges.
+    Pivot(PivotPerturbation<'a>),
 }
 
 impl<'a> PathMutation<'a> {
@@ -43,10 +47,11 @@ impl<'a> PathMutation<'a> {
     /// The bidirectional mutation and those of the perturbations that apply to a view; that for caustics only where a surface is
     /// specular.
     pub fn with(perturbations: Perturbations, view: View<'a>) -> Vec<Self> {
-        let Perturbations { lens, multi_chain, caustic } = perturbations;
+        let Perturbations { lens, multi_chain, pivot, caustic } = perturbations;
         let mut chosen = vec![Self::Bidirectional(BidirectionalMutation { view })];
         chosen.extend(lens.then(|| Self::Lens(LensPerturbation::new(view))));
         chosen.extend(multi_chain.then(|| Self::MultiChain(MultiChainPerturbation::new(view))));
+        chosen.extend(pivot.then(|| Self::Pivot(PivotPerturbation::new(view))));
         chosen.extend((caustic && view.scene.needs().specular).then_some(Self::Caustic(CausticPerturbation { view })));
         chosen
     }
@@ -59,6 +64,7 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
             Self::Lens(m) => m.name(),
             Self::Caustic(m) => m.name(),
             Self::MultiChain(m) => m.name(),
+            Self::Pivot(m) => m.name(),
         }
     }
 
@@ -69,6 +75,7 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
             Self::Lens(m) => m.suitability(current),
             Self::Caustic(m) => m.suitability(current),
             Self::MultiChain(m) => m.suitability(current),
+            Self::Pivot(m) => m.suitability(current),
         }
     }
 
@@ -85,6 +92,7 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for PathMutation<'_> {
             Self::Lens(m) => m.propose(current, proposal, within, rng),
             Self::Caustic(m) => m.propose(current, proposal, within, rng),
             Self::MultiChain(m) => m.propose(current, proposal, within, rng),
+            Self::Pivot(m) => m.propose(current, proposal, within, rng),
         }
     }
 }

@@ -15,7 +15,7 @@
 //! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the image. Added: chains without a
 //! specular vertex, and chains that go on where they could end.
 
-use super::follow::{FromEye, SUITABILITY};
+use super::follow::{ByAngle, FromEye, SUITABILITY};
 use super::lens::first_diffuse;
 use crate::engine::{Mutation, uniform};
 use crate::transport::methods::metropolis::stratum::LightStratum;
@@ -57,12 +57,18 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for MultiChainPerturbation<'_> {
         within: &LightStratum<'a>,
         rng: &mut impl Rng,
     ) -> Option<f64> {
-        let mut m = next_end(current, first_diffuse(current, current.edges()));
-        while m >= 2 && uniform(rng) < FURTHER {
-            m = next_end(current, m);
-        }
-        self.from_eye.perturb(current, proposal, m, within, rng)
+        let m = choose_end(current, rng);
+        self.from_eye.perturb::<ByAngle>(current, proposal, m, within, rng)
     }
+}
+
+/// Draws the last vertex to change: behind the first diffuse one, and further one time in two as long as there is one.
+pub(super) fn choose_end(path: &LightPath, rng: &mut impl Rng) -> usize {
+    let mut m = next_end(path, first_diffuse(path, path.edges()));
+    while m >= 2 && uniform(rng) < FURTHER {
+        m = next_end(path, m);
+    }
+    m
 }
 
 /// Below `i`, the first diffuse vertex that can be connected to the one before it; 0 if there is none.

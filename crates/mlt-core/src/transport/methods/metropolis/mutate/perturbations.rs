@@ -8,15 +8,17 @@ pub struct Perturbations {
     pub lens: bool,
     /// [`MultiChainPerturbation`](super::MultiChainPerturbation).
     pub multi_chain: bool,
+    /// [`PivotPerturbation`](super::PivotPerturbation).
+    pub pivot: bool,
     /// [`CausticPerturbation`](super::CausticPerturbation).
     pub caustic: bool,
 }
 
 impl Perturbations {
     /// None of them.
-    pub const NONE: Self = Self { lens: false, multi_chain: false, caustic: false };
+    pub const NONE: Self = Self { lens: false, multi_chain: false, pivot: false, caustic: false };
     /// All of them.
-    pub const ALL: Self = Self { lens: true, multi_chain: true, caustic: true };
+    pub const ALL: Self = Self { lens: true, multi_chain: true, pivot: true, caustic: true };
 }
 
 impl Default for Perturbations {

@@ -162,7 +162,7 @@ fn drift_in(scene: &Scene, samples: u64, name: &str, error: impl Fn(&View, &Ligh
     (sums.iter().zip(&squares).map(z).fold(0.0, f64::max), accepted / proposed)
 }
 
-const PERTURBATIONS: [&str; 3] = ["lens", "caustic", "multi-chain"];
+const PERTURBATIONS: [&str; 4] = ["lens", "caustic", "multi-chain", "pivot"];
 
 #[test]
 fn each_perturbation_keeps_the_distribution() {
@@ -205,7 +205,7 @@ fn a_forgotten_cosine_is_found() {
 
 #[test]
 fn a_forgotten_event_probability_is_found() {
-    for name in ["caustic", "multi-chain"] {
+    for name in ["caustic", "multi-chain", "pivot"] {
         let (z, _) = drift(name, events);
         assert!(z > 6.0, "{name}: z = {z}");
     }
@@ -213,7 +213,7 @@ fn a_forgotten_event_probability_is_found() {
 
 #[test]
 fn a_forgotten_distance_is_found() {
-    for name in ["caustic", "multi-chain"] {
+    for name in ["caustic", "multi-chain", "pivot"] {
         let distance = |_: &View, path: &LightPath| {
             let specular = (1..path.edges()).rfind(|&i| path.vertices[i].vertex.delta);
             // Without one, the two vertices next to the camera.
@@ -234,7 +234,7 @@ fn proposals_are_complete() {
     let within = &LightStratum::all(&strata, view, MOST_EDGES)[0];
     let region = LightRegion::whole(scene.lights());
     let sampler = Bidirectional { view, region: &region, max_edges: MOST_EDGES };
-    let (mut proposal, mut checked) = (LightPath::default(), [0; 4]);
+    let (mut proposal, mut checked) = (LightPath::default(), [0; 5]);
     for sample in 0..4000 {
         let mut rng = generator(8, Purpose::Chain, 0, 0, sample);
         sampler.sample_paths(&mut generator(8, Purpose::Sample, 0, 0, sample), &mut |x, _| {
@@ -272,6 +272,6 @@ fn perturbations_are_those_asked_for_and_of_use() {
     assert_eq!(names(Perturbations { lens: true, ..none }, &specular), ["bidirectional", "lens"]);
     assert_eq!(names(Perturbations { caustic: true, ..none }, &specular), ["bidirectional", "caustic"]);
     assert_eq!(names(Perturbations { caustic: true, ..none }, &diffuse), ["bidirectional"]);
-    assert_eq!(names(all, &specular), ["bidirectional", "lens", "multi-chain", "caustic"]);
-    assert_eq!(names(all, &diffuse), ["bidirectional", "lens", "multi-chain"]);
+    assert_eq!(names(all, &specular), ["bidirectional", "lens", "multi-chain", "pivot", "caustic"]);
+    assert_eq!(names(all, &diffuse), ["bidirectional", "lens", "multi-chain", "pivot"]);
 }

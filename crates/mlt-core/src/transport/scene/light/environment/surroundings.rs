@@ -32,7 +32,7 @@ impl Surroundings {
         let mean = [0, 1, 2].map(|channel| (distribution.integral(|row| rows[row][channel]) / (4.0 * PI)) as f32);
         let around = Self { size, pixels, distribution, rotation: rotation / TAU, sphere };
         let shape = Shape::Environment(Box::new(around));
-        Light::new(mean.into(), 4.0 * PI, shape)
+        Light::new(shape, 4.0 * PI, mean.into())
     }
 
     /// Around the scene.

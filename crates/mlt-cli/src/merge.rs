@@ -1,18 +1,22 @@
 //! `mlt merge`: one render from its parts.
 
 use anyhow::{Context, anyhow};
+use clap::Parser;
 
-use super::{Kept, read, words};
 use crate::{
     Failure,
-    args::{merge::MergeOptions, render::RenderOptions},
+    args::{Cli, Command, merge::MergeOptions, render::RenderOptions},
+    kept::{Kept, read, words},
     output::{self, OutputFile},
-    render::{self, Finished},
+    render::{self, Features, Finished, Made},
 };
 
 /// Adds the parts up, one at a time in memory beside the sum, and writes the files.
 pub fn run(options: &MergeOptions) -> Result<(), Failure> {
-    output::check_targets(&options.outputs).map_err(Failure::Usage)?;
+    output::check_targets(&options.outputs, options.json).map_err(Failure::Usage)?;
+    if !options.force {
+        output::check_existing(options.outputs.iter().cloned()).map_err(Failure::Usage)?;
+    }
     let mut parts = options.parts.iter().map(|path| read(path));
     let mut sum = parts.next().unwrap_or_else(|| Err(Failure::Usage(anyhow!("no part is given"))))?;
     for part in parts {
@@ -24,7 +28,7 @@ pub fn run(options: &MergeOptions) -> Result<(), Failure> {
     let options =
         sum.render_options(options).with_context(|| sum.path.display().to_string()).map_err(Failure::Usage)?;
     let finished = sum.finished(&options)?;
-    let report = render::write(&options, finished)?;
+    let report = render::write(&options, finished.made, &finished.sums)?;
     render::show(&options, &report)
 }
 
@@ -33,6 +37,9 @@ impl Kept {
     fn add(&mut self, part: &Self) -> anyhow::Result<()> {
         let [sum, other] = [&self.path, &part.path].map(|path| path.display());
         self.sums.merge(&part.sums).with_context(|| format!("{other} does not go with {sum}"))?;
+        if self.pilot != part.pilot {
+            return Err(anyhow!("{other} does not go with {sum}: their pilots found different things"));
+        }
         if self.about.whole != part.about.whole {
             let [a, b] = [self, part].map(|part| part.about.whole.as_ref().map_or("no number of rounds".into(), words));
             return Err(anyhow!("{other} does not go with {sum}: the whole render is {b} in one and {a} in the other"));
@@ -58,16 +65,21 @@ impl Kept {
 
     /// The options of the whole render, for these files.
     fn render_options(&self, merge: &MergeOptions) -> anyhow::Result<RenderOptions> {
-        let of_render = self.about.options()?;
+        let words = ["mlt", "render"].into_iter().chain(self.about.arguments.iter().map(String::as_str));
+        let Ok(Command::Render(of_render)) = Cli::try_parse_from(words).map(|cli| cli.command) else {
+            return Err(anyhow!("the options in it are not understood"));
+        };
         let exposure = merge.exposure.unwrap_or(of_render.exposure);
         let (outputs, json, quiet) = (merge.outputs.clone(), merge.json, merge.quiet);
-        Ok(RenderOptions { outputs, exposure, json, quiet, ..of_render })
+        Ok(RenderOptions { outputs, exposure, json, quiet, ..*of_render })
     }
 
     /// The render as if it had just ended.
     fn finished(self, options: &RenderOptions) -> anyhow::Result<Finished> {
         let mut report = render::report(options, &self.about.provenance, &self.sums);
         report.set_time(self.about.spent);
-        Ok(Finished { per_pixel: self.per_pixel()?, sums: self.sums, about: self.about, report })
+        let (per_pixel, features) = (self.per_pixel()?, Features::default());
+        let made = Made { per_pixel, pilot: self.pilot, about: self.about, report, features };
+        Ok(Finished { sums: self.sums, made })
     }
 }

@@ -37,7 +37,7 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 const MOST_LINKS: usize = 40;
 
 /// Where a file of this name lies or would lie, with the path's last part no symbolic link.
-pub(super) fn followed(path: &Path) -> std::io::Result<PathBuf> {
+pub(crate) fn followed(path: &Path) -> std::io::Result<PathBuf> {
     let mut target = path.to_path_buf();
     for _ in 0..MOST_LINKS {
         match fs::read_link(&target) {
@@ -50,7 +50,7 @@ pub(super) fn followed(path: &Path) -> std::io::Result<PathBuf> {
 }
 
 /// The folder that a file of this name lies in; the current one for a bare name.
-pub(super) fn folder_of(path: &Path) -> PathBuf {
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
         _ => PathBuf::from("."),

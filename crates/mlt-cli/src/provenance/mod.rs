@@ -1,8 +1,10 @@
 //! Where a render's image comes from.
 
+mod camera;
+
 use serde::{Deserialize, Serialize};
 
-use super::CameraUsed;
+pub use camera::CameraUsed;
 
 /// The scene and the camera of a render, in words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,70 @@
+//! Options of `mlt farm`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use super::kept::Shard;
+
+/// Most parts of a job.
+const MOST_PARTS: u64 = 1_000_000;
+
+const EXAMPLES: &str = "\
+Examples:
+  mlt farm slurm --shards 100 -- room.glb --samples-per-pixel 1024 -o room.exr > room.sh     then: sh room.sh
+  mlt farm openjd --shards 100 -- room.glb --samples-per-pixel 1024 -o room.exr > room.json
+
+Paths are as seen from the current folder, which all machines have to share, with 'mlt' on their PATH.";
+
+/// Options of `mlt farm`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct FarmOptions {
+    /// What is written or done.
+    #[command(subcommand)]
+    pub command: FarmCommand,
+}
+
+/// What farms need.
+#[derive(Debug, Subcommand)]
+pub enum FarmCommand {
+    /// Write a shell script that submits a render to Slurm: a job array of parts, and a job that merges them
+    Slurm(JobOptions),
+    /// Write the same as an Open Job Description template, in JSON
+    Openjd(JobOptions),
+    /// Make one part, as these jobs do: nothing if it is there, else from where it was
+    Task(TaskOptions),
+}
+
+/// A render in parts.
+#[derive(Args, Debug)]
+pub struct JobOptions {
+    /// Number of parts
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_PARTS))]
+    pub shards: u64,
+    /// The render, and where its parts go.
+    #[command(flatten)]
+    pub render: PartedOptions,
+}
+
+/// A part of a render.
+#[derive(Args, Debug)]
+pub struct TaskOptions {
+    /// Which of how many parts, as in 3/100
+    #[arg(long, value_name = "I/N")]
+    pub shard: Shard,
+    /// The render, and where its parts go.
+    #[command(flatten)]
+    pub render: PartedOptions,
+}
+
+/// A render, and where its parts go.
+#[derive(Args, Debug)]
+pub struct PartedOptions {
+    /// Folder for the parts; SCENE.parts in the current folder if not given
+    #[arg(long, value_name = "DIR")]
+    pub parts: Option<PathBuf>,
+    /// The scene and the options of 'mlt render', after '--'
+    #[arg(last = true, value_name = "RENDER OPTIONS")]
+    pub words: Vec<String>,
+}

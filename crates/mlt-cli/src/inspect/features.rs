@@ -1,0 +1,80 @@
+//! What a scene has and lacks, and what is therefore done or left out.
+
+use mlt_core::transport::scene::{Lens, Needs};
+use serde::Serialize;
+
+/// A feature that a scene may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Feature {
+    /// Its name.
+    pub name: &'static str,
+    /// Whether the scene has it.
+    pub present: bool,
+    /// What is therefore done or left out.
+    pub therefore: &'static str,
+}
+
+/// All features, in the order of [`Needs`].
+pub(super) fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
+    // A need without a line here does not compile.
+    let Needs { specular, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps } = needs;
+    let feature = |name, present, [has, lacks]: [&'static str; 2]| Feature {
+        name,
+        present,
+        therefore: if present { has } else { lacks },
+    };
+    vec![
+        feature(
+            "mirrors and clear glass",
+            specular,
+            [
+                "chains perturb caustics, and what only chance meets is a part of path space",
+                "no caustic perturbation, no parts of path space for images of lights",
+            ],
+        ),
+        feature(
+            "transparency",
+            veils,
+            ["shadow rays ask the opacity of what they meet", "shadow rays end at the first surface"],
+        ),
+        feature(
+            "light from all around",
+            environment,
+            ["rays that leave the scene bring light", "rays that leave the scene end there"],
+        ),
+        feature(
+            "lamps with a cone",
+            cones,
+            ["what such a lamp emits depends on the direction", "surfaces emit alike into all directions"],
+        ),
+        feature(
+            "coloured glass",
+            absorbs,
+            ["light weakens on its way through solids", "no ray asks what it goes through"],
+        ),
+        feature(
+            "points, spots and suns without size",
+            punctual,
+            ["paths are connected to them, since no ray can meet them", "every light can be met by a ray"],
+        ),
+        feature(
+            "suns with a size",
+            suns,
+            [
+                "rays that leave the scene may meet them, and their discs are cut into strata",
+                "no ray looks for a sun's disc",
+            ],
+        ),
+        feature("textures", textured, ["materials are looked up at every point", "materials are constants"]),
+        feature(
+            "normal maps",
+            normal_maps,
+            ["shading normals are bent by images", "shading normals are those of the meshes"],
+        ),
+        feature(
+            "depth of field",
+            matches!(lens, Lens::Thin { .. }),
+            ["paths draw a point on the lens", "no number is drawn for the lens"],
+        ),
+    ]
+}

@@ -1,0 +1,68 @@
+//! What goes into an image file.
+
+use anyhow::bail;
+
+use super::{Format, exr, hdr, jpg, png};
+use crate::image::Image;
+
+/// A number for each pixel, beside the image's three.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Its name in a file, such as `stderr.R`; viewers take what stands before the point for a layer.
+    pub name: String,
+    /// As many as the image has pixels.
+    pub values: Vec<f32>,
+}
+
+impl Channel {
+    /// The channels of three numbers a pixel, of these names.
+    pub fn of_triples(names: [&str; 3], triples: &[[f32; 3]]) -> [Self; 3] {
+        let component = |i: usize| triples.iter().map(|triple| triple[i]).collect();
+        std::array::from_fn(|i| Self { name: names[i].to_owned(), values: component(i) })
+    }
+}
+
+/// A larger image of which an image is a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame {
+    /// Its width and height, pixels.
+    pub size: [usize; 2],
+    /// Column and row of the part's first pixel.
+    pub corner: [usize; 2],
+}
+
+impl Frame {
+    /// Of an image that is no part of another.
+    pub fn whole(image: &Image) -> Self {
+        Self { size: [image.width, image.height], corner: [0, 0] }
+    }
+}
+
+/// All that an image file may hold; each format has its share of it.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// The pixels.
+    pub image: Image,
+    /// Further channels, for OpenEXR.
+    pub channels: Vec<Channel>,
+    /// Where the image lies, for OpenEXR.
+    pub frame: Frame,
+    /// How it was made.
+    pub attributes: Vec<(String, String)>,
+    /// In stops, for PNG and JPEG.
+    pub exposure: f64,
+}
+
+impl Picture {
+    /// The bytes of a file of it. Same picture, same bytes.
+    pub fn encode(&self, format: Format) -> anyhow::Result<Vec<u8>> {
+        let Self { image, channels, frame, attributes, exposure } = self;
+        match format {
+            Format::Exr => exr::encode_channels(image, channels, *frame, attributes),
+            Format::Hdr => hdr::encode(image, attributes),
+            Format::Png => png::encode(image, *exposure, attributes),
+            Format::Jpg => jpg::encode(image, *exposure, attributes),
+            Format::Sums | Format::Pilot => bail!("sums of rounds are no image"),
+        }
+    }
+}

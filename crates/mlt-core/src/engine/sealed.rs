@@ -1,0 +1,47 @@
+//! Bytes that say what they are, and tell whether they are whole.
+//!
+//! magic (8 bytes), version (4), content, BLAKE3 of all before (32). The checksum tells damage; it is no protection against intent: whoever
+//! changes bytes can make another.
+
+use super::{DecodeError, Reader};
+
+/// Seals a content.
+pub fn sealed(magic: [u8; 8], version: u32, content: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+    let mut bytes = magic.to_vec();
+    bytes.extend(version.to_le_bytes());
+    content(&mut bytes);
+    let sum = checksum(&bytes);
+    bytes.extend(sum);
+    bytes
+}
+
+/// Reads the content of bytes from wherever they come, all of it.
+///
+/// # Errors
+///
+/// If they are of something else, of another version, or damaged, or if `content` cannot be read.
+pub fn unsealed<T>(
+    bytes: &[u8],
+    magic: [u8; 8],
+    version: u32,
+    content: impl FnOnce(&mut Reader) -> Result<T, DecodeError>,
+) -> Result<T, DecodeError> {
+    let rest = bytes.strip_prefix(&magic).ok_or(DecodeError::Foreign)?;
+    let (found, rest) = rest.split_first_chunk().ok_or(DecodeError::Damaged)?;
+    match u32::from_le_bytes(*found) {
+        found if found != version => return Err(DecodeError::Version(found)),
+        _ => {}
+    }
+    let (inside, sum) = rest.split_last_chunk().ok_or(DecodeError::Damaged)?;
+    if checksum(&bytes[..bytes.len() - sum.len()]) != *sum {
+        return Err(DecodeError::Damaged);
+    }
+    let mut from = Reader::new(inside);
+    let content = content(&mut from)?;
+    if from.is_empty() { Ok(content) } else { Err(DecodeError::Damaged) }
+}
+
+/// Tells bytes that were changed; on the current rayon pool.
+pub(super) fn checksum(bytes: &[u8]) -> [u8; blake3::OUT_LEN] {
+    *blake3::Hasher::new().update_rayon(bytes).finalize().as_bytes()
+}
