@@ -210,12 +210,20 @@ def spot_lamp():
 
 
 @scene(DIFFUSE)
+def spot_lamp_with_a_radius():
+    floor(), camera()
+    data = lamp("SPOT", 1500, shadow_soft_size=0.5, spot_size=0.8, spot_blend=0.0, use_soft_falloff=False).data
+    data["shadow_soft_size"] = 0.5
+    ball(material("ball"))
+
+
+@scene(DIFFUSE)
 def sun():
     floor(), camera(), lamp("SUN", 3.0, angle=0.0)
     box(material("box"))
 
 
-@scene(DIFFUSE, lacks="soft shadows of a sun")
+@scene(DIFFUSE)
 def sun_with_an_angle():
     floor(), camera()
     data = lamp("SUN", 3.0, angle=0.2).data
@@ -287,7 +295,7 @@ def sheen():
     return world((0.3, 0.3, 0.3))
 
 
-@scene(GLOSSY, lacks="anisotropy")
+@scene(GLOSSY)
 def brushed_metal():
     floor(), camera(), panel()
     ball(material("brushed", Base_Color=(0.8, 0.8, 0.8), Metallic=1.0, Roughness=0.4, Anisotropic=0.7))

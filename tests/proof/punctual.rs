@@ -1,4 +1,4 @@
-//! Lights without extent over a plane show what their laws say: ρ/π times I cosθ/d², or E cosθ.
+//! Lights without a surface over a plane show what their laws say: ρ/π times I cosθ/d², or E cosθ.
 
 use crate::analytic::{REFLECTANCE, check, image_of};
 use crate::support::*;
@@ -55,12 +55,20 @@ fn a_spot_lights_a_plane_in_its_cone() {
     compare("spot", &[Punctual::Spot { position: POSITION, axis, cone }], irradiance);
 }
 
+/// A sun that is seen as a disc sends what one without extent does, wherever all of the disc is above the plane.
+#[test]
+fn a_sun_with_an_angle_lights_a_plane_as_one_without() {
+    let along = Vec3::new(0.5, -0.6, -0.2).normalize();
+    let cos = -f64::from(along.y);
+    compare("sun with an angle", &[Punctual::Directional { along, angle: 0.5 }], |_| cos);
+}
+
 /// A sun at an angle, and with a point beside it.
 #[test]
 fn a_sun_lights_a_plane_at_an_angle() {
     let along = Vec3::new(0.5, -0.6, -0.2).normalize();
     let cos = -f64::from(along.y);
-    compare("sun", &[Punctual::Directional { along }], |_| cos);
-    let both = [Punctual::Directional { along }, Punctual::Point { position: POSITION }];
+    compare("sun", &[Punctual::Directional { along, angle: 0.0 }], |_| cos);
+    let both = [Punctual::Directional { along, angle: 0.0 }, Punctual::Point { position: POSITION }];
     compare("sun and point", &both, |point| cos + of_point(point));
 }

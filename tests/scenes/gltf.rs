@@ -340,8 +340,10 @@ fn punctual_lights_have_the_units_of_their_programs() {
     assert_eq!(only(&point, None).kind, Punctual::Point { position: DVec3::new(1., 2., 3.) });
     let Punctual::Spot { axis, cone, .. } = only(&light("spot"), None).kind else { panic!("no spot") };
     assert!(axis.distance(Vec3::NEG_Y) < 1e-6 && cone == [0.2, 0.6], "{axis} {cone:?}");
-    let Punctual::Directional { along } = only(&light("directional"), None).kind else { panic!("no sun") };
-    assert!(along.distance(Vec3::NEG_Y) < 1e-6, "{along}");
+    let Punctual::Directional { along, angle } = only(&light("directional"), None).kind else { panic!("no sun") };
+    assert!(along.distance(Vec3::NEG_Y) < 1e-6 && angle == 0.0, "{along} {angle}");
+    let wide = light("directional").with("/extensions/KHR_lights_punctual/lights/0/extras", json!({ "angle": 0.2 }));
+    assert!(matches!(only(&wide, None).kind, Punctual::Directional { angle: 0.2, .. }));
     // A radius makes a ball of as much power: its luminance at a distance is π L r² over it.
     let soft = point.clone().with("/nodes/0/extras", json!({ "shadow_soft_size": 0.5 })).loaded().description;
     let (ball, lamp) = (soft.meshes.last().unwrap(), soft.materials.last().unwrap());
@@ -351,17 +353,20 @@ fn punctual_lights_have_the_units_of_their_programs() {
     );
     let intensity = lamp.emission.x * std::f32::consts::PI * 0.25;
     assert!((intensity / 54351.41 - 1.0).abs() < 0.02, "{intensity}");
+    // The same of a spot, which emits into its cone alone.
+    let soft = light("spot").with("/nodes/0/extras", json!({ "shadow_soft_size": 0.5 })).loaded().description;
+    let spot = soft.materials.last().unwrap();
+    assert!(soft.punctual.is_empty() && spot.emission == lamp.emission && spot.cone.is_some() && lamp.cone.is_none());
     let dark = point.with("/extensions/KHR_lights_punctual/lights/0/intensity", json!(-1));
     warning(&dark, "not one that a light can have");
 }
 
 #[test]
 fn what_is_left_out_is_named() {
-    let coat = json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 1, "clearcoatNormalTexture": { "index": 0 } },
-                       "KHR_materials_iridescence": { "iridescenceFactor": 1 } });
-    let coated = Document::new().with("/materials/0/extensions", coat);
+    let film = json!({ "KHR_materials_dispersion": { "dispersion": 1 }, "KHR_materials_iridescence": { "iridescenceFactor": 1 } });
+    let coated = Document::new().with("/materials/0/extensions", film);
     let coated = coated.with("/extensionsUsed", json!(["KHR_materials_iridescence", "EXT_unknown"]));
-    warning(&coated, "left out: clearcoatNormalTexture, KHR_materials_iridescence");
+    warning(&coated, "left out: KHR_materials_dispersion, KHR_materials_iridescence");
     warning(&coated, "extension EXT_unknown");
     let moving = Document::new().with("/animations", json!([{ "channels": [], "samplers": [] }]));
     warning(&moving, "shown as it stands at rest");

@@ -232,3 +232,43 @@ fn glass_is_solid_where_its_mesh_is_closed() {
         "{found:?}"
     );
 }
+
+/// Brushed metal is textured by its tangent alone; a smooth mesh without tangents gets some.
+#[test]
+fn a_brushed_mesh_has_tangents() {
+    let coordinates = |document: Document| {
+        document
+            .with_view(&f32s(&[0., 0., 1., 0., 0., 1.]))
+            .with("/accessors/-", json!({ "bufferView": 3, "componentType": 5126, "count": 3, "type": "VEC2" }))
+            .with("/meshes/0/primitives/0/attributes/TEXCOORD_0", 3.into())
+    };
+    let brushed = json!({ "KHR_materials_anisotropy": { "anisotropyStrength": 0.5, "anisotropyRotation": 1.0 } });
+    let loaded = coordinates(Document::new()).with("/materials/0/extensions", brushed).loaded();
+    assert!(is_textured(&loaded) && loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    let tangents = &loaded.description.meshes[0].tangents;
+    assert_eq!(tangents.len(), 3);
+    assert!(tangents.iter().all(|t| (t.x - 1.0).abs() < 1e-5 && t.w == -1.0), "{tangents:?}");
+    let plain = coordinates(Document::new()).loaded();
+    assert!(!is_textured(&plain) && plain.description.meshes[0].tangents.is_empty());
+}
+
+/// Six images as the light of a scene; and what is told where they are not there.
+#[test]
+fn a_file_brings_its_environment() {
+    let face =
+        |i: u8| encoded(&RgbaImage::from_pixel(2, 2, image::Rgba([40 * i, 0, 255, 128])).into(), ImageFormat::Png);
+    let mut document = (1..7).fold(Document::new(), |document, i| document.with_view(&face(i)));
+    let images: Vec<_> = (3..9).map(|view| json!({ "bufferView": view, "mimeType": "image/png" })).collect();
+    let light = json!({ "intensity": 0.5, "specularImageSize": 2, "specularImages": [[0, 1, 2, 3, 4, 5]] });
+    document = document
+        .with("/images", json!(images))
+        .with("/extensionsUsed", json!(["EXT_lights_image_based"]))
+        .with("/extensions", json!({ "EXT_lights_image_based": { "lights": [light] } }))
+        .with("/scenes/0/extensions", json!({ "EXT_lights_image_based": { "light": 0 } }));
+    let loaded = document.loaded();
+    let environment = loaded.description.environment.expect("an environment");
+    assert!(!loaded.neutral_sky && loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    assert_eq!((environment.size(), environment.strength), ([8, 4], 0.5));
+    let dark = document.with("/extensions/EXT_lights_image_based/lights/0/specularImages", json!([])).loaded();
+    assert!(dark.neutral_sky && dark.warnings[0].contains("--environment FILE"), "{:?}", dark.warnings);
+}

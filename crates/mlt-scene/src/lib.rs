@@ -28,6 +28,7 @@ mod options;
 mod outline;
 mod range;
 mod source;
+mod tangents;
 mod text;
 mod winding;
 

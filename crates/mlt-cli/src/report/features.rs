@@ -17,7 +17,7 @@ pub struct Feature {
 /// All features, in the order of [`Needs`].
 pub fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
     // A need without a line here does not compile.
-    let Needs { specular, veils, environment, absorbs, punctual, textured, normal_maps } = needs;
+    let Needs { specular, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps } = needs;
     let feature = |name, present, [has, lacks]: [&'static str; 2]| Feature {
         name,
         present,
@@ -43,14 +43,27 @@ pub fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
             ["rays that leave the scene bring light", "rays that leave the scene end there"],
         ),
         feature(
+            "lamps with a cone",
+            cones,
+            ["what such a lamp emits depends on the direction", "surfaces emit alike into all directions"],
+        ),
+        feature(
             "coloured glass",
             absorbs,
             ["light weakens on its way through solids", "no ray asks what it goes through"],
         ),
         feature(
-            "points, spots and suns",
+            "points, spots and suns without size",
             punctual,
             ["paths are connected to them, since no ray can meet them", "every light can be met by a ray"],
+        ),
+        feature(
+            "suns with a size",
+            suns,
+            [
+                "rays that leave the scene may meet them, and their discs are cut into strata",
+                "no ray looks for a sun's disc",
+            ],
         ),
         feature("textures", textured, ["materials are looked up at every point", "materials are constants"]),
         feature(

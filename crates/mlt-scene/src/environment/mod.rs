@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Where light from all around comes from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum EnvironmentSource {
-    /// A neutral sky where nothing in the file gives light, else nothing.
+    /// That of the file; a neutral sky where nothing in the file gives light.
     #[default]
     AsNeeded,
     /// Nothing, even where all is dark then.
@@ -48,7 +48,7 @@ pub(crate) fn surround(loaded: &mut Loaded, options: &EnvironmentOptions, memory
     let environment = match &options.source {
         EnvironmentSource::AsNeeded => {
             loaded.neutral_sky = !loaded.description.is_lit();
-            loaded.neutral_sky.then(Environment::sky)
+            if loaded.neutral_sky { Some(Environment::sky()) } else { loaded.description.environment.take() }
         }
         EnvironmentSource::None => None,
         EnvironmentSource::Sky => Some(Environment::sky()),
@@ -61,7 +61,7 @@ pub(crate) fn surround(loaded: &mut Loaded, options: &EnvironmentOptions, memory
     };
     loaded.description.environment = environment.map(|mut environment| {
         environment.rotation = options.rotation.to_radians();
-        environment.strength = options.strength;
+        environment.strength *= options.strength;
         environment.visible = options.visible;
         environment
     });

@@ -25,13 +25,17 @@ impl<'a> Graph<'a> {
     ///
     /// A node that is reached twice makes the graph no tree, which also finds every cycle.
     pub(super) fn shown(&mut self, source: &Source, name: Option<&str>) -> Result<Vec<Placed<'a>>, SceneError> {
-        let scene = match name {
-            Some(name) => Some(self.scene(source, name)?),
-            None => self.document.default_scene().or_else(|| self.document.scenes().next()),
-        };
-        let roots = scene.map_or_else(|| self.roots(), |scene| scene.nodes().collect());
+        let roots = self.chosen(source, name)?.map_or_else(|| self.roots(), |scene| scene.nodes().collect());
         let reason = "the node has two parents or is its own ancestor";
         self.flatten(roots).map_err(|node| source.invalid(place(&node), reason, CHECK))
+    }
+
+    /// The scene of this name, or the default one, if the file has any.
+    pub(super) fn chosen(&self, source: &Source, name: Option<&str>) -> Result<Option<Scene<'a>>, SceneError> {
+        match name {
+            Some(name) => self.scene(source, name).map(Some),
+            None => Ok(self.document.default_scene().or_else(|| self.document.scenes().next())),
+        }
     }
 
     fn scene(&self, source: &Source, name: &str) -> Result<Scene<'a>, SceneError> {

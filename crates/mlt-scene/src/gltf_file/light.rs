@@ -16,7 +16,7 @@ use gltf::{
 };
 use mlt_core::transport::Rgb;
 use mlt_core::transport::geometry::Mesh;
-use mlt_core::transport::scene::{Material, Punctual, PunctualLight, SceneDescription};
+use mlt_core::transport::scene::{Cone, Material, Punctual, PunctualLight, SceneDescription};
 use serde_json::Value;
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -43,7 +43,8 @@ pub(super) fn lights(
     let units = units.unwrap_or_else(|| usual(generator));
     let found = |(node, to_world): &Placed, warnings: &mut Vec<String>| {
         let source = node.light()?;
-        Some(Found { light: light(&source, node, to_world, units, warnings)?, radius: radius(&source, node) })
+        let radius = extent("shadow_soft_size", &source, node);
+        Some(Found { light: light(&source, node, to_world, units, warnings)?, radius })
     };
     nodes.iter().filter_map(|placed| found(placed, warnings)).collect()
 }
@@ -60,21 +61,26 @@ fn usual(generator: &str) -> LightUnits {
     if version.is_some_and(|version: [u32; 2]| version < [3, 4]) { LightUnits::Raw } else { LightUnits::Blender }
 }
 
-/// The radius that Blender's own name for it gives, written as a custom property of the light or of its node.
-fn radius(light: &Light, node: &Node) -> Option<f64> {
+/// The extent that Blender's own name for it gives, written as a custom property of the light or of its node.
+fn extent(name: &str, light: &Light, node: &Node) -> Option<f64> {
     let number = |extras: &Extras| -> Option<f64> {
         let value: Value = serde_json::from_str(extras.as_ref()?.get()).ok()?;
-        value.get("shadow_soft_size")?.as_f64().filter(|&radius| radius > 0.0 && radius < 1e9)
+        value.get(name)?.as_f64().filter(|&extent| extent > 0.0 && extent < 1e9)
     };
     number(light.extras()).or_else(|| number(node.extras()))
 }
 
-/// Adds lights to a scene; a point with a radius r as a ball, of radiance 4 I/A, so that its power ∫ π L dA is 4π I.
+/// Adds lights to a scene; a point or a spot with a radius r as a ball, of radiance 4 I/A, so that its cross section A/4 sends the intensity I;
+/// a spot's emits into its cone alone.
 pub(super) fn add(found: Vec<Found>, source: &Source, scene: &mut SceneDescription) -> Result<(), SceneError> {
     for Found { light, radius } in found {
-        let (Punctual::Point { position }, Some(radius)) = (light.kind, radius) else {
-            scene.punctual.push(light);
-            continue;
+        let (position, cone, radius) = match (light.kind, radius) {
+            (Punctual::Point { position }, Some(radius)) => (position, None, radius),
+            (Punctual::Spot { position, axis, cone }, Some(radius)) => (position, Some(Cone::new(axis, cone)), radius),
+            _ => {
+                scene.punctual.push(light);
+                continue;
+            }
         };
         let Shape { positions, triangles, .. } = ball(position, radius, LEVELS);
         let mut size = GeometrySize::default();
@@ -85,7 +91,7 @@ pub(super) fn add(found: Vec<Found>, source: &Source, scene: &mut SceneDescripti
         let emission = light.emission * (4.0 / area) as f32;
         let (name, material) = (light.name, scene.materials.len() as u32);
         scene.meshes.push(Mesh { name: name.clone(), positions, triangles, material, ..Mesh::default() });
-        scene.materials.push(Material { name, emission, ..Material::default() });
+        scene.materials.push(Material { name, emission, cone, ..Material::default() });
     }
     Ok(())
 }
@@ -101,7 +107,9 @@ fn light(
     let (position, along) = (to_world.transform_point3(DVec3::ZERO), to_world.transform_vector3(DVec3::NEG_Z));
     let axis = along.normalize_or_zero().as_vec3().normalize_or_zero();
     let kind = match light.kind() {
-        Kind::Directional => Punctual::Directional { along: axis },
+        Kind::Directional => {
+            Punctual::Directional { along: axis, angle: extent("angle", light, node).unwrap_or_default() as f32 }
+        }
         Kind::Point => Punctual::Point { position },
         Kind::Spot { inner_cone_angle, outer_cone_angle } => {
             let outer = outer_cone_angle.clamp(0.0, FRAC_PI_2);

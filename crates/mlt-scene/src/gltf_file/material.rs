@@ -1,13 +1,13 @@
 //! glTF's materials.
 
 use super::{
-    texture::{CLEARCOAT, Files, GLOSSINESS, SHEEN, Slot, Slots},
+    texture::{ANISOTROPY, CLEARCOAT, Files, GLOSSINESS, SHEEN, Slot, Slots},
     unsupported,
 };
 use crate::{SceneError, images::Images, range::Range, text::shown};
 use gltf::{Document, material::AlphaMode};
 use mlt_core::transport::Rgb;
-use mlt_core::transport::bsdf::MetallicRoughness;
+use mlt_core::transport::bsdf::{Anisotropy, MetallicRoughness};
 use mlt_core::transport::scene::{Alpha, ChannelMap, Encoding, Map, Maps, Material, NormalMap, Pixels, Texture};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -77,6 +77,7 @@ impl Converter<'_> {
         let strength = source.emissive_strength().unwrap_or(1.0);
         let emission = range.colour("the emission", strength * Rgb::from_array(source.emissive_factor()), 1e12);
         let mut factors = parameters(source, &mut range);
+        factors.anisotropy.stretch = self.files.stretch();
         if let Some(value) = source.extension_value(GLOSSINESS) {
             factors = glossy(value, factors, &mut range);
         }
@@ -126,7 +127,6 @@ impl Converter<'_> {
 
     /// All but that of the opacity.
     fn maps(&mut self, slots: &Slots) -> Maps {
-        let (normal, scale) = slots.normal.unzip();
         Maps {
             base_color: self.map(slots.base_color, Encoding::Srgb),
             metallic: self.channel(slots.metallic_roughness, 2),
@@ -135,14 +135,21 @@ impl Converter<'_> {
             specular: self.channel(slots.specular, 3),
             specular_color: self.map(slots.specular_color, Encoding::Srgb),
             emission: self.map(slots.emission, Encoding::Srgb),
-            normal: self.map(normal, Encoding::Linear).zip(scale).map(|(map, scale)| NormalMap { map, scale }),
+            normal: self.normal(slots.normal),
             clearcoat: self.channel(slots.clearcoat, 0),
             clearcoat_roughness: self.channel(slots.clearcoat_roughness, 1),
+            clearcoat_normal: self.normal(slots.clearcoat_normal),
             sheen_color: self.map(slots.sheen_color, Encoding::Srgb),
             sheen_roughness: self.channel(slots.sheen_roughness, 3),
+            anisotropy: self.map(slots.anisotropy, Encoding::Linear),
             vertex_colours: self.coloured,
             ..Maps::default()
         }
+    }
+
+    fn normal(&mut self, slot: Option<(Slot, f32)>) -> Option<NormalMap> {
+        let (slot, scale) = slot?;
+        self.map(Some(slot), Encoding::Linear).map(|map| NormalMap { map, scale })
     }
 }
 
@@ -201,6 +208,11 @@ fn parameters(source: &gltf::Material, range: &mut Range) -> MetallicRoughness {
         ),
         sheen_color: range.colour("the sheen's colour", colour(source, SHEEN, "sheenColorFactor"), 1.0),
         sheen_roughness: range.number("the sheen's roughness", factor(SHEEN, "sheenRoughnessFactor"), SHARE),
+        anisotropy: Anisotropy {
+            strength: range.number("the anisotropy", factor(ANISOTROPY, "anisotropyStrength"), SHARE),
+            rotation: factor(ANISOTROPY, "anisotropyRotation"),
+            ..Anisotropy::default()
+        },
     }
 }
 

@@ -8,6 +8,7 @@ mod buffer;
 mod camera;
 mod glb;
 mod graph;
+mod image_light;
 mod instance;
 mod light;
 mod material;
@@ -88,6 +89,8 @@ pub(crate) fn load(source: &Source, options: &LoadOptions, kept: &mut Kept) -> R
     let surfaces = SceneDescription { cameras, materials, textures, ..SceneDescription::default() };
     let mut description = with_meshes(surfaces, &mut reader, (&nodes, &sharing), (&pose, &worlds), &mut warnings)?;
     light::add(lights, source, &mut description)?;
+    let scene = graph.chosen(source, options.scene.as_deref())?;
+    description.environment = image_light::environment(&files, scene.as_ref(), &mut warnings)?;
     *hashes = source.hashes();
     let name = source.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let outline = outline::outline(document, &nodes);

@@ -6,10 +6,12 @@ use super::{
     graph::place,
     parse::DRACO,
     shape::{Standing, Vertices},
+    texture::Slots,
 };
 use crate::{
     SceneError,
     geometry::{Attributes, RawMesh},
+    tangents,
 };
 use glam::{DVec3, Vec2, Vec4};
 use gltf::{Accessor, Node, Primitive, Semantic, mesh::Mode};
@@ -89,7 +91,11 @@ pub(super) fn mesh(
             tangent: tangent.as_ref().map(|tangent| tangent as &dyn Fn(u32) -> Vec4),
         },
     };
-    Ok(raw.finish(warnings))
+    let mut mesh = raw.finish(warnings);
+    if let (Some(mesh), Some(set)) = (&mut mesh, Slots::of(&primitive.material()).tangents()) {
+        tangents::add(mesh, set);
+    }
+    Ok(mesh)
 }
 
 /// Refuses a primitive whose data is found in its compressed form only.

@@ -8,6 +8,7 @@ use gltf::{
     json::validation::Checked,
     texture::{MagFilter, WrappingMode},
 };
+use mlt_core::transport::bsdf::Stretch;
 use mlt_core::transport::scene::{Filter, Map, Wrap};
 use serde_json::Value;
 use std::borrow::Cow;
@@ -23,6 +24,9 @@ pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
 
 /// The extension for velvet.
 pub(super) const SHEEN: &str = "KHR_materials_sheen";
+
+/// The extension for brushed metal.
+pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy";
 
 /// The extension for a diffuse and a specular colour, older than metalness.
 pub(super) const GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
@@ -51,8 +55,12 @@ pub(super) struct Slots {
     pub glossiness: Option<Slot>,
     pub clearcoat: Option<Slot>,
     pub clearcoat_roughness: Option<Slot>,
+    pub clearcoat_normal: Option<(Slot, f32)>,
     pub sheen_color: Option<Slot>,
     pub sheen_roughness: Option<Slot>,
+    pub anisotropy: Option<Slot>,
+    /// Whether it is brushed, with a texture or without.
+    pub brushed: bool,
 }
 
 impl Slots {
@@ -77,8 +85,12 @@ impl Slots {
             glossiness: None,
             clearcoat: Slot::raw(material, CLEARCOAT, "clearcoatTexture"),
             clearcoat_roughness: Slot::raw(material, CLEARCOAT, "clearcoatRoughnessTexture"),
+            clearcoat_normal: Slot::raw(material, CLEARCOAT, "clearcoatNormalTexture")
+                .map(|slot| (slot, scale(material.extension_value(CLEARCOAT)))),
             sheen_color: Slot::raw(material, SHEEN, "sheenColorTexture"),
             sheen_roughness: Slot::raw(material, SHEEN, "sheenRoughnessTexture"),
+            anisotropy: Slot::raw(material, ANISOTROPY, "anisotropyTexture"),
+            brushed: material.extension_value(ANISOTROPY).is_some(),
         };
         if material.extension_value(GLOSSINESS).is_none() {
             return modern;
@@ -93,13 +105,44 @@ impl Slots {
         }
     }
 
+    /// Set of texture coordinates that tangents follow; `None`: no parameter needs them.
+    pub(super) fn tangents(&self) -> Option<usize> {
+        let normal = self.normal.or(self.clearcoat_normal).map(|(slot, _)| slot);
+        let set = self.anisotropy.or(normal).map(|slot| slot.set.min(1) as usize);
+        set.or(self.brushed.then_some(0))
+    }
+
     /// Each that is there.
     pub(super) fn iter(&self) -> impl Iterator<Item = Slot> {
-        let base = [self.base_color, self.metallic_roughness, self.normal.map(|(slot, _)| slot), self.emission];
-        let extensions = [self.transmission, self.specular, self.specular_color];
-        let layers = [self.clearcoat, self.clearcoat_roughness, self.sheen_color, self.sheen_roughness];
-        base.into_iter().chain(extensions).chain(layers).flatten()
+        // Without "..": an image that is forgotten here is not decoded.
+        let &Self {
+            base_color,
+            metallic_roughness,
+            normal,
+            emission,
+            transmission,
+            specular,
+            specular_color,
+            glossiness,
+            clearcoat,
+            clearcoat_roughness,
+            clearcoat_normal,
+            sheen_color,
+            sheen_roughness,
+            anisotropy,
+            brushed: _,
+        } = self;
+        let normals = [normal, clearcoat_normal].map(|normal| normal.map(|(slot, _)| slot));
+        let base = [base_color, metallic_roughness, emission, transmission, specular, specular_color, glossiness];
+        let layers = [clearcoat, clearcoat_roughness, sheen_color, sheen_roughness, anisotropy];
+        normals.into_iter().chain(base).chain(layers).flatten()
     }
+}
+
+/// Factor on the slopes of the clear coat's normal map.
+fn scale(clearcoat: Option<&Value>) -> f32 {
+    let scale = clearcoat.and_then(|value| value.get("clearcoatNormalTexture")?.get("scale")?.as_f64());
+    scale.map_or(1.0, |scale| scale as f32)
 }
 
 impl Slot {
@@ -154,6 +197,12 @@ pub(super) struct Files<'a> {
 }
 
 impl<'a> Files<'a> {
+    /// What an anisotropy's strength means in this file: Blender writes its own number.
+    pub(super) fn stretch(&self) -> Stretch {
+        let generator = self.parsed.document.as_json().asset.generator.as_deref().unwrap_or_default();
+        if generator.contains("Blender") { Stretch::Balanced } else { Stretch::OneSided }
+    }
+
     /// Index of the image of a texture, or why there is none.
     fn image(&self, texture: usize) -> Result<usize, String> {
         let root = self.parsed.document.as_json();
@@ -170,8 +219,15 @@ impl<'a> Files<'a> {
 
     /// The name of a texture's image, for messages and to tell images apart.
     pub(super) fn name(&self, texture: usize) -> String {
-        let Ok(image) = self.image(texture) else { return format!("of textures[{texture}]") };
-        let json = &self.parsed.document.as_json().images[image];
+        match self.image(texture) {
+            Ok(image) => self.name_of_image(image),
+            Err(_) => format!("of textures[{texture}]"),
+        }
+    }
+
+    /// The name of an image.
+    pub(super) fn name_of_image(&self, image: usize) -> String {
+        let Some(json) = self.parsed.document.as_json().images.get(image) else { return format!("images[{image}]") };
         match (&json.uri, &json.name) {
             (Some(uri), _) if !uri.starts_with("data:") => format!("`{uri}`"),
             (_, Some(name)) if !name.is_empty() => format!("images[{image}] `{name}`"),
@@ -181,8 +237,12 @@ impl<'a> Files<'a> {
 
     /// The content of a texture's image, or why there is none.
     pub(super) fn content(&self, texture: usize) -> Result<Cow<'a, [u8]>, String> {
-        let image = self.image(texture)?;
-        let json = &self.parsed.document.as_json().images[image];
+        self.content_of_image(self.image(texture)?)
+    }
+
+    /// The content of an image, or why there is none.
+    pub(super) fn content_of_image(&self, image: usize) -> Result<Cow<'a, [u8]>, String> {
+        let json = self.parsed.document.as_json().images.get(image).ok_or("the image does not exist")?;
         let found = match (&json.uri, json.buffer_view) {
             (Some(uri), _) => self.buffers.read_uri(&format!("images[{image}]"), uri).map(Cow::Owned),
             (None, Some(view)) => self.buffers.view_at(view.value()).map(Cow::Borrowed),

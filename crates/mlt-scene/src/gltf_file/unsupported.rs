@@ -3,7 +3,7 @@
 use super::{
     graph::place,
     instance,
-    texture::{CLEARCOAT, GLOSSINESS, SHEEN},
+    texture::{ANISOTROPY, CLEARCOAT, GLOSSINESS, SHEEN},
 };
 use crate::text::shown;
 use gltf::{Document, Material, Node};
@@ -14,6 +14,7 @@ const KNOWN: &[&str] = &[
     "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -30,6 +31,7 @@ const KNOWN: &[&str] = &[
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
+    "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_avif",
@@ -53,10 +55,11 @@ pub(super) fn in_document(document: &Document, animated: bool) -> Vec<String> {
         .extensions_used()
         .filter(|name| !KNOWN.contains(name) && !named_elsewhere.contains(*name))
         .map(|name| {
-            format!(
-                "the extension {} is not supported; what it says is left out: if the image lacks it, export without it",
-                shown(name)
-            )
+            let remedy = match is_environment(name) {
+                true => "--environment FILE gives the scene its image",
+                false => "if the image lacks it, export without it",
+            };
+            format!("the extension {} is not supported; what it says is left out: {remedy}", shown(name))
         })
         .collect();
     match (document.animations().len() > 0, animated) {
@@ -72,6 +75,11 @@ pub(super) fn in_document(document: &Document, animated: bool) -> Vec<String> {
     warnings
 }
 
+/// Whether an extension that is not read is about light from all around.
+fn is_environment(name: &str) -> bool {
+    ["KHR_environment_map", "KHR_lights_environment", "UX3D_lights_imageBased"].contains(&name)
+}
+
 /// Of one node.
 pub(super) fn in_node(node: &Node) -> Option<String> {
     let names = node.extensions().into_iter().flat_map(|map| map.keys());
@@ -82,18 +90,12 @@ pub(super) fn in_node(node: &Node) -> Option<String> {
 pub(super) fn in_material(material: &Material) -> Option<String> {
     let specular = material.specular();
     let glossy = |s: &gltf::material::Specular| s.specular_factor() != 1.0 || s.specular_color_factor() != [1.0; 3];
-    let has = |extension, name| material.extension_value(extension).is_some_and(|value| value.get(name).is_some());
-    let features = [
-        (has(CLEARCOAT, "clearcoatNormalTexture"), "clearcoatNormalTexture"),
-        (
-            transmits(material) && specular.as_ref().is_some_and(glossy),
-            "KHR_materials_specular of what transmits light",
-        ),
-    ];
-    let features = features.iter().filter(|f| f.0).map(|f| f.1.to_owned());
+    let unheard = transmits(material) && specular.as_ref().is_some_and(glossy);
+    let features = unheard.then(|| "KHR_materials_specular of what transmits light".to_owned()).into_iter();
     let names = material.extensions().into_iter().flat_map(|map| map.keys());
-    let extensions =
-        names.filter(|name| ![UNLIT, CLEARCOAT, GLOSSINESS, SHEEN].contains(&name.as_str())).map(|name| shown(name));
+    let extensions = names
+        .filter(|name| ![UNLIT, ANISOTROPY, CLEARCOAT, GLOSSINESS, SHEEN].contains(&name.as_str()))
+        .map(|name| shown(name));
     sentence(&place_of(material), features.chain(extensions).collect())
 }
 

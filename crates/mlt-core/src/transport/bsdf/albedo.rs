@@ -63,7 +63,7 @@ pub(super) fn visible_average(ggx: Ggx, v: Vec3A, g: impl Fn(Vec3A) -> f32) -> f
 /// Mean over the unit square on a Fibonacci lattice: two Fibonacci numbers that follow each other, the second is that of points.
 ///
 /// Few points of it lie along any one kink of the integrand, as total reflection and the horizon make them.
-fn lattice_average([step, count]: [u32; 2], g: impl Fn([f32; 2]) -> f32) -> f32 {
+pub(super) fn lattice_average([step, count]: [u32; 2], g: impl Fn([f32; 2]) -> f32) -> f32 {
     let at = |i: u32| (i as f32 + 0.5) / count as f32;
     let sum: f64 = (0..count).map(|i| f64::from(g([at(i * step % count), at(i)]))).sum();
     (sum / f64::from(count)) as f32
@@ -76,7 +76,7 @@ pub(super) fn at_cosine(cos: f32) -> Vec3A {
 
 /// Terms of the albedo of one scattering by microfacets with f = D G₂/(4 cosθₗ cosθₑ), for light along a direction.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lacking {
+pub struct Lacking {
     /// m = 1 - ∫ f cosθ dω.
     pub white: f32,
     /// B = ∫ f (1 - h·l)⁵ cosθ dω, the part of Schlick's F that goes with F₉₀ - F₀.

@@ -2,7 +2,7 @@
 
 use super::Evaluation;
 use super::albedo::Lacking;
-use super::facets::Facets;
+use super::facets::{Facets, Microfacets};
 use super::fresnel::{schlick, schlick_average};
 use super::microfacet::{GRAZING, Ggx};
 use crate::transport::colour::Rgb;
@@ -16,13 +16,13 @@ use std::f32::consts::FRAC_1_PI;
 ///
 /// Source: Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
 #[derive(Clone, Copy, Debug)]
-pub struct Conductor {
+pub struct Conductor<F = Facets> {
     /// F₀ ∈ [0, 1], reflectance at normal incidence.
     pub f0: Rgb,
     /// F₉₀ ∈ [0, 1], reflectance at grazing angles.
     pub f90: f32,
     /// Microfacets.
-    pub facets: Facets,
+    pub facets: F,
     /// The greatest channel of F̄.
     average: f32,
     /// F_m.
@@ -45,9 +45,17 @@ impl Conductor {
         Self::of(f0, f90, Facets::new(ggx))
     }
 
+    /// [`Self::albedo`] at a direction of this cosine.
+    #[inline]
+    pub(super) fn albedo_at(&self, cos: f32) -> Rgb {
+        self.albedo(self.facets.table.at(cos))
+    }
+}
+
+impl<F: Microfacets> Conductor<F> {
     /// The same of microfacets that are known already.
-    pub fn of(f0: Rgb, f90: f32, facets: Facets) -> Self {
-        let lacking = facets.mean.white;
+    pub fn of(f0: Rgb, f90: f32, facets: F) -> Self {
+        let lacking = facets.mean().white;
         let f = schlick_average(f0, f90);
         Self {
             f0,
@@ -66,15 +74,9 @@ impl Conductor {
         self.f0 * (1.0 - lacking.white - grazing) + self.f90 * grazing + self.multiple * lacking.white
     }
 
-    /// [`Self::albedo`] at a direction of this cosine.
-    #[inline]
-    pub(super) fn albedo_at(&self, cos: f32) -> Rgb {
-        self.albedo(self.facets.table.at(cos))
-    }
-
-    /// Mean over the hemisphere of [`Self::albedo_at`], weighted by cosθ.
+    /// Mean over the hemisphere of [`Self::albedo`], weighted by cosθ.
     pub(super) fn mean_albedo(&self) -> Rgb {
-        self.albedo(self.facets.mean)
+        self.albedo(self.facets.mean())
     }
 
     /// Light reflected once and again, if F were F̄ everywhere, over F̄: sampled in this proportion.
@@ -86,13 +88,13 @@ impl Conductor {
     /// `None`: not on one side.
     #[inline]
     pub(super) fn meet(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Option<Met> {
-        let single = self.facets.ggx.reflection(n, to_light, to_eye)?;
+        let single = self.facets.reflection(n, to_light, to_eye)?;
         let cos = [n.dot(to_light).abs(), n.dot(to_eye).abs()];
-        let lacking = cos.map(|cos| self.facets.table.at(cos));
+        let lacking = [to_light, to_eye].map(|v| self.facets.lacking(n, v));
         let multiple = self.scale * lacking[0].white * lacking[1].white;
         let pdf = |given: usize, sampled: usize| {
             let [once, again] = self.shares(lacking[given].white);
-            (once * single.pdf[sampled] + again * self.facets.spread.pdf(cos[sampled])) / (once + again)
+            (once * single.pdf[sampled] + again * self.facets.spread().pdf(cos[sampled])) / (once + again)
         };
         let evaluation = Evaluation {
             value: schlick(self.f0, self.f90, single.cos_half) * single.value + self.multiple * multiple,
@@ -112,11 +114,11 @@ impl Conductor {
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let cos = n.dot(given);
-        let [once, again] = self.shares(self.facets.table.at(cos.abs()).white);
+        let [once, again] = self.shares(self.facets.lacking(n, given).white);
         if cos.abs() > GRAZING && u[2] * (once + again) < again {
-            Some(self.facets.spread.sample(n * 1f32.copysign(cos), [u[0], u[1]]))
+            Some(self.facets.spread().sample(n * 1f32.copysign(cos), [u[0], u[1]]))
         } else {
-            self.facets.ggx.sample_reflection(n, given, [u[0], u[1]])
+            self.facets.sample_reflection(n, given, [u[0], u[1]])
         }
     }
 }

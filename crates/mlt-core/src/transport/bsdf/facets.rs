@@ -2,8 +2,9 @@
 
 use super::albedo::{Albedo, Lacking};
 use super::albedo_table::ROWS;
-use super::microfacet::Ggx;
+use super::microfacet::{Ggx, Reflection};
 use super::spread::Spread;
+use glam::Vec3A;
 use std::sync::LazyLock;
 
 /// Microfacets, what one scattering by them lacks, and where the rest goes.
@@ -15,6 +16,51 @@ pub struct Facets {
     pub(super) spread: Spread,
     /// ∫₀¹ · 2μ dμ of what is lacking.
     pub(super) mean: Lacking,
+}
+
+/// Microfacets that reflect, what one scattering by them lacks, and where the rest goes.
+pub trait Microfacets: Copy {
+    /// How they mirror `a` into `b`; `None`: not on one side.
+    fn reflection(&self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection>;
+
+    /// `given` mirrored about a normal that it sees; density: [`Reflection::pdf`]; `None`: it would go below the surface.
+    fn sample_reflection(&self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A>;
+
+    /// What is lacking at a direction.
+    fn lacking(&self, n: Vec3A, direction: Vec3A) -> Lacking;
+
+    /// Its mean over the hemisphere, ∫₀¹ · 2μ dμ.
+    fn mean(&self) -> Lacking;
+
+    /// Directions about as light leaves that they scatter more than once.
+    fn spread(&self) -> Spread;
+}
+
+impl Microfacets for Facets {
+    #[inline]
+    fn reflection(&self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
+        self.ggx.reflection(n, a, b)
+    }
+
+    #[inline]
+    fn sample_reflection(&self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
+        self.ggx.sample_reflection(n, given, u)
+    }
+
+    #[inline]
+    fn lacking(&self, n: Vec3A, direction: Vec3A) -> Lacking {
+        self.table.at(n.dot(direction).abs())
+    }
+
+    #[inline]
+    fn mean(&self) -> Lacking {
+        self.mean
+    }
+
+    #[inline]
+    fn spread(&self) -> Spread {
+        self.spread
+    }
 }
 
 /// Nodes of [`MEANS`] between two rows of the tables of albedo.

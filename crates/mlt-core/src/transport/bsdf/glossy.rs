@@ -1,5 +1,6 @@
 //! Dielectric coat over a diffuse base.
 
+use super::facets::{Facets, Microfacets};
 use super::{Conductor, Evaluation, Lambert, choose};
 use crate::transport::colour::Rgb;
 use glam::{Vec2, Vec3A};
@@ -12,18 +13,18 @@ use std::f32::consts::FRAC_1_PI;
 /// Source: Kelemen & Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling",
 /// Eurographics 2001. Left out: light that the coat sends back to the base takes the base's colour no more than once.
 #[derive(Clone, Copy, Debug)]
-pub struct Glossy {
+pub struct Glossy<F = Facets> {
     /// The base's ρ.
     pub base: Lambert,
     /// F₀, F₉₀ and microfacets of the coat.
-    pub coat: Conductor,
+    pub coat: Conductor<F>,
     /// ρ/(π t̄), sr⁻¹.
     scale: Rgb,
 }
 
-impl Glossy {
+impl<F: Microfacets> Glossy<F> {
     /// A coat over a base.
-    pub fn new(base: Lambert, coat: Conductor) -> Self {
+    pub fn new(base: Lambert, coat: Conductor<F>) -> Self {
         // Where the coat lets nothing through, t̄ is a rounding error.
         let through = (Rgb::ONE - coat.mean_albedo()).max(Rgb::splat(1e-6));
         let scale = base.reflectance * FRAC_1_PI / through;
@@ -62,7 +63,7 @@ impl Glossy {
     /// Samples the coat or the base.
     #[inline]
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
-        let p = self.coat_probability(self.coat.albedo_at(n.dot(given).abs()));
+        let p = self.coat_probability(self.coat.albedo(self.coat.facets.lacking(n, given)));
         match choose(u[2], p) {
             (true, rest) => self.coat.sample(n, given, [u[0], u[1], rest]),
             (false, _) => Some(self.base.sample(n, given, Vec2::new(u[0], u[1]))),

@@ -1,5 +1,6 @@
 //! A clear coat and fibres over a surface.
 
+use super::microfacet::GRAZING;
 use super::sheen::Sheen;
 use super::{Conductor, Evaluation, Mix, choose};
 use crate::transport::colour::Rgb;
@@ -12,6 +13,8 @@ pub struct Coat {
     pub lobe: Conductor,
     /// The share.
     pub share: f32,
+    /// Its unit normal; `None`: that of the base.
+    pub normal: Option<Vec3A>,
 }
 
 /// f_s = f_top + min(t(θₗ), t(θₑ)) f_below, t = 1 − A(θ), A the greatest channel of ∫ f_top cosθ dω; a coat on top, fibres below it and
@@ -30,10 +33,38 @@ pub struct Layered {
 }
 
 impl Coat {
+    /// cosθ to its own normal, on the side where a direction is of the base's normal `n`: negative where only the base is seen from there.
+    #[inline]
+    fn cos(&self, n: Vec3A, v: Vec3A) -> f32 {
+        self.normal.unwrap_or(n).dot(v) * 1f32.copysign(n.dot(v))
+    }
+
     /// A(θ).
     #[inline]
-    fn albedo(&self, cos: f32) -> f32 {
-        (self.share * self.lobe.albedo_at(cos).max_element()).clamp(0.0, 1.0)
+    fn albedo(&self, n: Vec3A, v: Vec3A) -> f32 {
+        let cos = self.cos(n, v);
+        if cos < 0.0 { 0.0 } else { (self.share * self.lobe.albedo_at(cos).max_element()).clamp(0.0, 1.0) }
+    }
+
+    /// f_s |ω·n_c|/|ω·n|, ω = to_light and n_c its own normal, on its share.
+    #[inline]
+    fn evaluate(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Evaluation {
+        let Some(own) = self.normal else {
+            let found = self.lobe.evaluate(n, to_light, to_eye);
+            return Evaluation { value: found.value * Rgb::splat(self.share), ..found };
+        };
+        let cos = self.cos(n, to_light);
+        if cos.min(self.cos(n, to_eye)) <= 0.0 {
+            return Evaluation::NOTHING;
+        }
+        let found = self.lobe.evaluate(own, to_light, to_eye);
+        Evaluation { value: found.value * (self.share * cos / n.dot(to_light).abs().max(GRAZING)), ..found }
+    }
+
+    #[inline]
+    fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
+        let sampled = self.lobe.sample(self.normal.unwrap_or(n), given, u)?;
+        (n.dot(sampled) * n.dot(given) > 0.0).then_some(sampled)
     }
 }
 
@@ -68,9 +99,8 @@ impl Layered {
             found = over(sheen.evaluate(n, to_light, to_eye), found, cos.map(|cos| sheen.albedo(cos)));
         }
         if let Some(coat) = &self.coat {
-            let mut top = coat.lobe.evaluate(n, to_light, to_eye);
-            top.value *= Rgb::splat(coat.share);
-            found = over(top, found, cos.map(|cos| coat.albedo(cos)));
+            let top = coat.evaluate(n, to_light, to_eye);
+            found = over(top, found, [to_light, to_eye].map(|v| coat.albedo(n, v)));
         }
         found
     }
@@ -81,9 +111,9 @@ impl Layered {
         let cos = n.dot(given).abs();
         let mut rest = u[2];
         if let Some(coat) = &self.coat {
-            let (taken, unused) = choose(rest, probability(coat.albedo(cos)));
+            let (taken, unused) = choose(rest, probability(coat.albedo(n, given)));
             if taken {
-                return coat.lobe.sample(n, given, [u[0], u[1], unused]);
+                return coat.sample(n, given, [u[0], u[1], unused]);
             }
             rest = unused;
         }

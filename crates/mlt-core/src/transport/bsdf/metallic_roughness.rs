@@ -3,10 +3,11 @@
 use super::microfacet::Ggx;
 use super::rough_dielectric::RoughGlass;
 use super::{
-    Bsdf, Coat, Conductor, Dielectric, Facets, Glossy, Lambert, Layered, Lobe, Mirror, Mix, RoughDielectric, RoughThin,
-    Sheen, Thin,
+    Brushed, Bsdf, Coat, Conductor, Dielectric, Facets, Glossy, Lambert, Layered, Lobe, Mirror, Mix, RoughDielectric,
+    RoughThin, Sheen, Thin,
 };
 use crate::transport::colour::Rgb;
+use glam::Vec3A;
 
 /// α below this is perfectly smooth: rounding of directions in f32, 10⁻⁷, no longer resolves the lobe.
 pub const SMOOTH_ALPHA: f32 = 1e-6;
@@ -17,7 +18,8 @@ pub const MIXED_ALPHA: f32 = 1e-4;
 /// An interface with |ior - 1| up to this does not bend light.
 pub(super) const INDEX_MATCHED: f32 = 1e-3;
 
-/// Constant factors of a glTF 2.0 material with KHR_materials_ior, _specular, _transmission, _volume, _clearcoat and _sheen.
+/// Constant factors of a glTF 2.0 material with KHR_materials_ior, _specular, _transmission, _volume, _clearcoat, _sheen and
+/// _anisotropy.
 ///
 /// Values out of range are clamped, those that are not numbers count as the default. Left out: `specular` and
 /// `specular_color` on what transmits, which reflects as `ior` says.
@@ -47,6 +49,47 @@ pub struct MetallicRoughness {
     pub sheen_color: Rgb,
     /// sheenRoughnessFactor ∈ [0, 1].
     pub sheen_roughness: f32,
+    /// Of what reflects below the clear coat.
+    pub anisotropy: Anisotropy,
+}
+
+/// How much rougher a surface is along one direction than across it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Anisotropy {
+    /// anisotropyStrength ∈ [0, 1].
+    pub strength: f32,
+    /// anisotropyRotation: angle from the tangent to the direction of greater roughness, towards the bitangent, radians.
+    pub rotation: f32,
+    /// What the strength means.
+    pub stretch: Stretch,
+}
+
+/// α along the streaks and across them, from α and the strength s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stretch {
+    /// α + (1 − α) s² and α, as KHR_materials_anisotropy says.
+    #[default]
+    OneSided,
+    /// α/a and α a with a = √(1 − 0.9 s), as Blender renders and exports it.
+    Balanced,
+}
+
+impl Anisotropy {
+    fn valid(self) -> Self {
+        let rotation = if self.rotation.is_finite() { self.rotation } else { 0.0 };
+        Self { strength: clamped(self.strength, 1.0, 0.0), rotation, ..self }
+    }
+
+    /// α along the streaks and across them.
+    fn alphas(self, alpha: f32) -> [f32; 2] {
+        match self.stretch {
+            Stretch::OneSided => [alpha + (1.0 - alpha) * self.strength * self.strength, alpha],
+            Stretch::Balanced => {
+                let aspect = (1.0 - 0.9 * self.strength).sqrt();
+                [(alpha / aspect).min(1.0), alpha * aspect]
+            }
+        }
+    }
 }
 
 impl Default for MetallicRoughness {
@@ -65,6 +108,7 @@ impl Default for MetallicRoughness {
             clearcoat_roughness: 0.0,
             sheen_color: Rgb::ZERO,
             sheen_roughness: 0.0,
+            anisotropy: Anisotropy::default(),
         }
     }
 }
@@ -100,6 +144,7 @@ impl MetallicRoughness {
             clearcoat_roughness: clamped(self.clearcoat_roughness, 1.0, 0.0),
             sheen_color: clamped_rgb(self.sheen_color, 1.0),
             sheen_roughness: clamped(self.sheen_roughness, 1.0, 0.0),
+            anisotropy: self.anisotropy.valid(),
         }
     }
 
@@ -115,6 +160,7 @@ impl MetallicRoughness {
             let alpha = (self.roughness * self.roughness).max(MIXED_ALPHA);
             return Bsdf::Layered(self.layers(made, self.mix(made, Ggx { alpha })));
         }
+        let rough = rough || self.is_brushed();
         let alpha = self.roughness * self.roughness;
         let alpha_of_lobe = if !rough && self.is_single_lobe() { alpha } else { alpha.max(MIXED_ALPHA) };
         let ggx = (alpha_of_lobe >= SMOOTH_ALPHA).then_some(Ggx { alpha: alpha_of_lobe });
@@ -147,6 +193,11 @@ impl MetallicRoughness {
         Mix { lobes }
     }
 
+    /// Whether it is rougher along one direction than across it, where that is known.
+    pub(crate) fn is_brushed(&self) -> bool {
+        self.anisotropy.strength > 0.0
+    }
+
     /// Something covers the base.
     fn is_layered(&self) -> bool {
         self.clearcoat > 0.0 || self.sheen_color != Rgb::ZERO
@@ -157,7 +208,11 @@ impl MetallicRoughness {
         let alpha = (self.clearcoat_roughness * self.clearcoat_roughness).max(MIXED_ALPHA);
         let lobe = || Conductor::of(Rgb::splat(0.04), 1.0, made.facets(Ggx { alpha }));
         Layered {
-            coat: (self.clearcoat > 0.0).then(|| Coat { lobe: lobe(), share: self.clearcoat }),
+            coat: (self.clearcoat > 0.0).then(|| Coat {
+                lobe: lobe(),
+                share: self.clearcoat,
+                normal: made.own().coat_normal,
+            }),
             sheen: (self.sheen_color != Rgb::ZERO).then(|| Sheen::new(self.sheen_color, self.sheen_roughness)),
             base,
         }
@@ -169,7 +224,10 @@ impl MetallicRoughness {
     }
 
     fn metal(&self, made: &impl Microsurfaces, ggx: Ggx) -> Lobe {
-        Lobe::Conductor(Conductor::of(self.base_color, 1.0, made.facets(ggx)))
+        match self.brushed(made, ggx.alpha) {
+            Some(facets) => Lobe::BrushedMetal(Conductor::of(self.base_color, 1.0, facets)),
+            None => Lobe::Conductor(Conductor::of(self.base_color, 1.0, made.facets(ggx))),
+        }
     }
 
     /// `None`: it is black.
@@ -180,8 +238,17 @@ impl MetallicRoughness {
         }
         let r = (self.ior - 1.0) / (self.ior + 1.0);
         let f0 = (r * r * self.specular_color).min(Rgb::ONE) * self.specular;
-        let coat = Conductor::of(f0, self.specular, made.facets(Ggx { alpha: alpha.max(MIXED_ALPHA) }));
-        Some(Lobe::Glossy(Glossy::new(base, coat)))
+        let alpha = alpha.max(MIXED_ALPHA);
+        Some(match self.brushed(made, alpha) {
+            Some(facets) => Lobe::BrushedCoat(Glossy::new(base, Conductor::of(f0, self.specular, facets))),
+            None => Lobe::Glossy(Glossy::new(base, Conductor::of(f0, self.specular, made.facets(Ggx { alpha })))),
+        })
+    }
+
+    /// Microfacets of what is brushed in a known direction.
+    fn brushed(&self, made: &impl Microsurfaces, alpha: f32) -> Option<Brushed> {
+        let tangent = made.own().streak.filter(|_| self.is_brushed())?;
+        Some(Brushed::new(tangent, self.anisotropy.alphas(alpha)))
     }
 
     /// `None`: it does not bend light.
@@ -209,8 +276,10 @@ impl MetallicRoughness {
     }
 }
 
-/// Where a conversion has from what depends on roughness and index of refraction alone.
+/// Where a conversion has from what depends on roughness, index of refraction and place alone.
 trait Microsurfaces {
+    /// Directions of the place.
+    fn own(&self) -> Directions;
     fn facets(&self, ggx: Ggx) -> Facets;
     fn wall(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughThin;
     fn glass(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughDielectric;
@@ -220,6 +289,10 @@ trait Microsurfaces {
 struct Computed;
 
 impl Microsurfaces for Computed {
+    fn own(&self) -> Directions {
+        Directions::default()
+    }
+
     fn facets(&self, ggx: Ggx) -> Facets {
         Facets::new(ggx)
     }
@@ -249,7 +322,7 @@ impl Varying {
     /// For a surface whose factors are at most these; `lobes`: metalness or transmission vary; `roughness`: roughness does.
     pub fn new(most: &MetallicRoughness, lobes: bool, roughness: bool) -> Self {
         let m = most.valid();
-        let rough = lobes || roughness || m.is_layered();
+        let rough = lobes || roughness || m.is_layered() || m.is_brushed();
         let least = if rough || !m.is_single_lobe() { MIXED_ALPHA } else { SMOOTH_ALPHA }.sqrt();
         let most = m.roughness.max(least);
         let is_rough = rough || !m.is_single_lobe() || m.roughness * m.roughness >= SMOOTH_ALPHA;
@@ -262,22 +335,41 @@ impl Varying {
     }
 
     /// The simplest BSDF for the factors at one point.
-    pub fn bsdf(&self, factors: &MetallicRoughness) -> Bsdf {
-        factors.valid().convert(self, self.rough)
+    pub fn bsdf(&self, factors: &MetallicRoughness, directions: Directions) -> Bsdf {
+        factors.valid().convert(&AtPoint { varying: self, directions }, self.rough)
     }
 }
 
-impl Microsurfaces for Varying {
+/// Directions of one point of a surface beside its normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Directions {
+    /// Unit tangent along which the surface is rougher; `None`: it is not known, and the surface is as rough along all.
+    pub streak: Option<Vec3A>,
+    /// Unit normal of the clear coat; `None`: that of the base.
+    pub coat_normal: Option<Vec3A>,
+}
+
+/// One point of a surface whose factors vary.
+struct AtPoint<'a> {
+    varying: &'a Varying,
+    directions: Directions,
+}
+
+impl Microsurfaces for AtPoint<'_> {
+    fn own(&self) -> Directions {
+        self.directions
+    }
+
     fn facets(&self, ggx: Ggx) -> Facets {
         Facets::tabulated(ggx)
     }
 
     fn wall(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughThin {
-        RoughThin::of(ior, tint, Facets::tabulated(ggx), self.reflected)
+        RoughThin::of(ior, tint, Facets::tabulated(ggx), self.varying.reflected)
     }
 
     fn glass(&self, ior: f32, tint: Rgb, ggx: Ggx) -> RoughDielectric {
-        self.glass.as_ref().map_or_else(|| RoughDielectric::new(ior, tint, ggx), |glass| glass.at(tint, ggx))
+        self.varying.glass.as_ref().map_or_else(|| RoughDielectric::new(ior, tint, ggx), |glass| glass.at(tint, ggx))
     }
 }
 
@@ -337,6 +429,7 @@ mod tests {
                 clearcoat_roughness: base,
                 sheen_color: Rgb::splat(factor(3)),
                 sheen_roughness: factor(2),
+                anisotropy: Anisotropy { strength: factor(1), rotation: factor(3), stretch: Stretch::Balanced },
             };
             check(&m.bsdf());
         }

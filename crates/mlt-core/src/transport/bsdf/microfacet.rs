@@ -90,10 +90,6 @@ impl Ggx {
     }
 
     /// A normal on the side of `v` with density D_v; `None`: `v` is tangent.
-    ///
-    /// 1 - z and 1 + z of the cap's point are formed without cancellation.
-    ///
-    /// Source: Dupuy & Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023.
     #[inline]
     pub fn sample_normal(self, n: Vec3A, v: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
         let n = n * 1f32.copysign(n.dot(v));
@@ -102,18 +98,27 @@ impl Ggx {
             return None;
         }
         let (s, t) = frame(n);
-        let w = Vec3A::new(self.alpha * v.dot(s), self.alpha * v.dot(t), cos).normalize();
-        let below = u[1] * (1.0 + w.z);
-        let sin = (below * (2.0 - below)).max(0.0).sqrt();
-        let azimuth = sin * turn(u[0]);
-        let [x, y] = [self.alpha * (azimuth.x + w.x), self.alpha * (azimuth.y + w.y)];
-        (x * s + y * t + (1.0 + w.z - below) * n).try_normalize()
+        let h = visible_cap(Vec3A::new(self.alpha * v.dot(s), self.alpha * v.dot(t), cos).normalize(), u);
+        (self.alpha * h.x * s + self.alpha * h.y * t + h.z * n).try_normalize()
     }
+}
+
+/// A normal, of any length, of the unit hemisphere about z that the unit direction `w` sees, in proportion to its projected area.
+///
+/// 1 - z and 1 + z of the cap's point are formed without cancellation.
+///
+/// Source: Dupuy & Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023.
+#[inline]
+pub(super) fn visible_cap(w: Vec3A, u: [f32; 2]) -> Vec3A {
+    let below = u[1] * (1.0 + w.z);
+    let sin = (below * (2.0 - below)).max(0.0).sqrt();
+    let azimuth = sin * turn(u[0]);
+    Vec3A::new(azimuth.x + w.x, azimuth.y + w.y, 1.0 + w.z - below)
 }
 
 /// Unit half vector, and the cosine of the half angle, |a + b|/2 ≤ 1; `None`: not on one side, or tangent.
 #[inline]
-fn half(n: Vec3A, a: Vec3A, b: Vec3A) -> Option<(Vec3A, f32)> {
+pub(super) fn half(n: Vec3A, a: Vec3A, b: Vec3A) -> Option<(Vec3A, f32)> {
     let (ca, cb) = (n.dot(a), n.dot(b));
     let one_side = ca.min(cb) > GRAZING || ca.max(cb) < -GRAZING;
     let (sum, length) = (a + b, (a + b).length());

@@ -1,6 +1,6 @@
 //! Blend of lobes.
 
-use super::{Bsdf, Conductor, Evaluation, Glossy, Lambert, RoughDielectric, RoughThin, choose};
+use super::{Brushed, Bsdf, Conductor, Evaluation, Glossy, Lambert, RoughDielectric, RoughThin, choose};
 use glam::{Vec2, Vec3A};
 
 /// A part of a surface's scattering that is not delta.
@@ -13,6 +13,10 @@ pub enum Lobe {
     Conductor(Conductor),
     /// Dielectric coat over a diffuse base.
     Glossy(Glossy),
+    /// Metal that is rougher along one direction than across it.
+    BrushedMetal(Conductor<Brushed>),
+    /// The same of a coat over a diffuse base.
+    BrushedCoat(Glossy<Brushed>),
     /// Rough interface to a medium on the back side.
     RoughDielectric(RoughDielectric),
     /// Rough thin transparent wall.
@@ -26,6 +30,8 @@ impl Lobe {
             Self::Lambert(b) => b.evaluate(n, to_light, to_eye),
             Self::Conductor(b) => b.evaluate(n, to_light, to_eye),
             Self::Glossy(b) => b.evaluate(n, to_light, to_eye),
+            Self::BrushedMetal(b) => b.evaluate(n, to_light, to_eye),
+            Self::BrushedCoat(b) => b.evaluate(n, to_light, to_eye),
             Self::RoughDielectric(b) => b.evaluate(n, to_light, to_eye),
             Self::RoughThin(b) => b.evaluate(n, to_light, to_eye),
         }
@@ -37,6 +43,8 @@ impl Lobe {
             Self::Lambert(b) => Some(b.sample(n, given, Vec2::new(u[0], u[1]))),
             Self::Conductor(b) => b.sample(n, given, u),
             Self::Glossy(b) => b.sample(n, given, u),
+            Self::BrushedMetal(b) => b.sample(n, given, u),
+            Self::BrushedCoat(b) => b.sample(n, given, u),
             Self::RoughDielectric(b) => b.sample(n, given, u),
             Self::RoughThin(b) => b.sample(n, given, u),
         }
@@ -56,6 +64,9 @@ impl From<Lobe> for Bsdf {
             Lobe::Glossy(b) => Self::Glossy(b),
             Lobe::RoughDielectric(b) => Self::RoughDielectric(b),
             Lobe::RoughThin(b) => Self::RoughThin(b),
+            Lobe::BrushedMetal(_) | Lobe::BrushedCoat(_) => {
+                Self::Mix(Mix { lobes: [(1.0, Some(lobe)), (0.0, None), (0.0, None)] })
+            }
         }
     }
 }

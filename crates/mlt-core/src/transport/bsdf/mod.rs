@@ -16,6 +16,8 @@
 
 mod albedo;
 mod albedo_table;
+mod anisotropic;
+mod brushed;
 mod conductor;
 mod dielectric;
 mod facets;
@@ -39,13 +41,15 @@ mod thin;
 use crate::transport::colour::Rgb;
 use glam::{Vec2, Vec3A};
 
+pub use anisotropic::AnisotropicGgx;
+pub use brushed::Brushed;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
-pub use facets::Facets;
+pub use facets::{Facets, Microfacets};
 pub use glossy::Glossy;
 pub use lambert::Lambert;
 pub use layered::{Coat, Layered};
-pub use metallic_roughness::{MIXED_ALPHA, MetallicRoughness, SMOOTH_ALPHA, Varying};
+pub use metallic_roughness::{Anisotropy, Directions, MIXED_ALPHA, MetallicRoughness, SMOOTH_ALPHA, Stretch, Varying};
 pub use mirror::Mirror;
 pub use mix::{Lobe, Mix};
 pub use rough_dielectric::{RoughDielectric, RoughGlass};

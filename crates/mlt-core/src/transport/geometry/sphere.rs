@@ -3,6 +3,7 @@
 use super::math::{frame, square_to_disk};
 use glam::{Vec2, Vec3, Vec3A};
 use std::f32::consts::FRAC_1_PI;
+use std::f64::consts::PI;
 
 /// A sphere that holds all surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +33,11 @@ impl Sphere {
     /// Start, outside of the sphere, of the ray along `direction` through a point.
     pub(crate) fn start_of_ray(&self, direction: Vec3A, through: Vec3A) -> Vec3A {
         through - direction * ((through - self.centre).dot(direction) + self.radius)
+    }
+
+    /// Area of that disc, π R².
+    pub(crate) fn cross_section(&self) -> f64 {
+        PI * f64::from(self.radius).powi(2)
     }
 
     /// Density of that point of the disc, per its area: 1/(π R²).

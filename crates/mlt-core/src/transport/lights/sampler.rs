@@ -378,7 +378,7 @@ mod tests {
     use crate::transport::lights::region::LightRegion;
     use crate::transport::lights::strata::{LightStrata, Stratification};
     use crate::transport::scene::Scene;
-    use crate::transport::tests::worlds::{World, lamps, lamps_and_sky, outdoors, rough_metal};
+    use crate::transport::tests::worlds::{World, lamps, lamps_and_sky, outdoors, rough_metal, suns};
     use glam::DVec3;
     use rand_pcg::rand_core::Rng;
 
@@ -404,7 +404,9 @@ mod tests {
 
     #[test]
     fn a_points_density_is_that_which_it_was_drawn_with() {
-        for (world, least) in [(lamps(), 1000), (lamps_and_sky(), 100), (outdoors(rough_metal()), 100)] {
+        for (world, least) in
+            [(lamps(), 1000), (lamps_and_sky(), 100), (outdoors(rough_metal()), 100), (suns(rough_metal()), 100)]
+        {
             check_densities(&world, least);
         }
     }

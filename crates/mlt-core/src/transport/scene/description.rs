@@ -51,7 +51,7 @@ pub struct SceneDescription {
     pub textures: Vec<Texture>,
     /// The first one is the default; empty: the caller has to choose one.
     pub cameras: Vec<CameraPose>,
-    /// Lights without extent.
+    /// Lights without a surface.
     pub punctual: Vec<PunctualLight>,
     /// Light that comes from all around.
     pub environment: Option<Environment>,

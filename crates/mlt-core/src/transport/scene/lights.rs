@@ -3,6 +3,7 @@
 use super::light::{Environment, Light, LightPoint, PunctualLight, Surroundings};
 use super::material::Material;
 use super::textures::{Attributes, Texture};
+use crate::transport::colour::Rgb;
 use crate::transport::geometry::{LIGHT, Mesh, Space, Sphere, hilbert};
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
@@ -17,15 +18,15 @@ pub struct Lights {
     pub lights: Vec<Light>,
     /// Of each triangle: its light and its number within that light.
     of_primitive: Vec<(u32, u32)>,
-    /// The environment's index.
-    environment: Option<u32>,
+    /// Those that are met where no surface is: the suns, and after them the environment.
+    distant: Vec<u32>,
 }
 
 impl Lights {
     /// Finds the lights among `meshes`. `primitives` holds, mesh by mesh, the triangles as the scene keeps them.
     pub(crate) fn new(meshes: &[Mesh], materials: &[Material], textures: &[Texture], primitives: &[[Vec3; 3]]) -> Self {
         let mut lights =
-            Self { lights: Vec::new(), of_primitive: vec![(NONE, 0); primitives.len()], environment: None };
+            Self { lights: Vec::new(), of_primitive: vec![(NONE, 0); primitives.len()], distant: Vec::new() };
         let mut first = 0;
         for mesh in meshes {
             let material = &materials[mesh.material as usize];
@@ -44,21 +45,27 @@ impl Lights {
 
     /// With an environment around the scene.
     pub(crate) fn surrounded(mut self, environment: Environment, sphere: Sphere) -> Self {
-        self.environment = Some(self.lights.len() as u32);
+        self.distant.push(self.lights.len() as u32);
         self.lights.push(Surroundings::light(environment, sphere));
         self
     }
 
-    /// With lights that have no extent, as far as they send any light.
+    /// With lights that have no surface, as far as they send any light.
     pub(crate) fn and_punctual(mut self, punctual: &[PunctualLight], space: &Space, sphere: Sphere) -> Self {
-        self.lights.extend(punctual.iter().filter(|light| light.is_lit()).map(|light| light.light(space, sphere)));
+        for light in punctual.iter().filter(|light| light.is_lit()) {
+            if light.has_extent() {
+                self.distant.push(self.lights.len() as u32);
+            }
+            self.lights.push(light.light(space, sphere));
+        }
         self
     }
 
-    /// The environment's index.
+    /// The lights that are met in a unit direction where no surface is, with their radiance there.
     #[inline]
-    pub(crate) fn environment(&self) -> Option<u32> {
-        self.environment
+    pub(super) fn in_direction(&self, direction: Vec3A) -> impl Iterator<Item = (u32, Rgb)> {
+        let met = move |&light: &u32| Some((light, self.lights[light as usize].met_in(direction)?));
+        self.distant.iter().filter_map(met)
     }
 
     /// The light of a vertex's primitive.
@@ -126,13 +133,13 @@ impl Lights {
         if let Some(light) = Light::uneven(triangles, material.emission, glow) {
             self.add_numbers(&list);
             let emission = light.emission;
-            self.lights.push(light.shining(emission, material.emits_both_sides, 1.0));
+            self.lights.push(light.shining(material, emission, 1.0));
         }
     }
 
     fn push(&mut self, light: Light, material: &Material, primitives: &[usize]) {
         self.add_numbers(primitives);
-        self.lights.push(light.shining(material.emission, material.emits_both_sides, material.opacity));
+        self.lights.push(light.shining(material, material.emission, material.opacity));
     }
 
     /// Gives the next light these triangles.

@@ -1,5 +1,6 @@
 //! Materials: how a surface scatters and emits light.
 
+use super::light::Cone;
 use super::textures::{Alpha, Coordinates, Maps, Texture, Textured};
 use crate::transport::bsdf::{Bsdf, MetallicRoughness};
 use crate::transport::colour::Rgb;
@@ -11,10 +12,12 @@ pub struct Material {
     pub name: String,
     /// Scattering; of what is textured, an example of it.
     pub bsdf: Bsdf,
-    /// Emitted radiance, uniform over directions, and over the surface unless it is textured; zero: no light.
+    /// Emitted radiance, uniform over directions unless it has a cone, and over the surface unless it is textured; zero: no light.
     pub emission: Rgb,
     /// Emits from the back as well as from the front.
     pub emits_both_sides: bool,
+    /// Directions that the emitted radiance goes into; `None`: all on the side that emits.
+    pub cone: Option<Cone>,
     /// Share of the surface that is there, α ∈ [0, 1]; through the rest light goes straight on. 0: there is no surface.
     pub opacity: f32,
     /// σ of the solid behind the surface, per scene unit: see `scene::medium`; zero: it is clear, or there is none.
@@ -31,6 +34,7 @@ impl Default for Material {
             bsdf: Bsdf::Black,
             emission: Rgb::ZERO,
             emits_both_sides: false,
+            cone: None,
             opacity: 1.0,
             absorption: Rgb::ZERO,
             textured: None,
@@ -70,7 +74,7 @@ impl Material {
     /// The same with parameters of these factors, which vary as textures and vertices say.
     #[must_use]
     pub fn scattering(self, factors: MetallicRoughness, maps: Maps, alpha: Alpha) -> Self {
-        if maps.is_empty() {
+        if maps.is_empty() && !factors.is_brushed() {
             return Self { bsdf: factors.bsdf(), ..self };
         }
         let textured = Textured::new(factors, maps, alpha);

@@ -33,7 +33,7 @@ pub use check::UnusableScene;
 pub use description::{Prototype, SceneDescription, SurfaceName};
 pub use footprint::Footprint;
 pub(crate) use light::Piece;
-pub use light::{Environment, Light, LightPoint, Punctual, PunctualLight};
+pub use light::{Cone, Environment, Light, LightPoint, Punctual, PunctualLight};
 pub use lights::Lights;
 pub use material::Material;
 pub use needs::Needs;
@@ -57,7 +57,7 @@ pub struct Scene {
     space: Space,
     /// Around all surfaces.
     sphere: Sphere,
-    /// Whether the camera sees the environment.
+    /// Whether the camera sees what is beyond all surfaces.
     background: bool,
     overlaps: Vec<[SurfaceName; 2]>,
     dropped: usize,
@@ -128,7 +128,8 @@ impl Scene {
         }
         let corners = triangles.corners();
         let mut lights = Lights::new(meshes, materials, &description.textures, &corners);
-        if lights.lights.is_empty() && !(needs.environment || needs.punctual) {
+        let without_surface = needs.environment || needs.punctual || needs.suns;
+        if lights.lights.is_empty() && !without_surface {
             return Err(UnusableScene::NoLight);
         }
         let overlaps = triangles.overlaps().map(|pair| pair.map(|mesh| description.surface_name(mesh))).collect();
@@ -143,12 +144,12 @@ impl Scene {
         let SceneDescription { mut materials, textures, environment, punctual, .. } = description;
         materials.iter_mut().for_each(|material| material.absorption /= space.length(1.0));
         let environment = environment.filter(|_| needs.environment);
-        let background = environment.as_ref().is_some_and(|environment| environment.visible);
+        let background = environment.as_ref().is_none_or(|environment| environment.visible);
         lights = lights.and_punctual(&punctual, &space, sphere);
         if let Some(environment) = environment {
             lights = lights.surrounded(environment, sphere);
         }
-        if needs.environment || needs.punctual {
+        if without_surface {
             materials.push(Material::default());
         }
         let accel = match geometry {

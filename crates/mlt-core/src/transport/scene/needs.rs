@@ -1,7 +1,7 @@
 //! Needs of a scene: the features that it has, so that what it lacks costs nothing.
 
 use super::description::SceneDescription;
-use super::light::{Environment, PunctualLight};
+use super::light::Environment;
 use super::material::Material;
 use crate::transport::colour::Rgb;
 
@@ -14,10 +14,14 @@ pub struct Needs {
     pub veils: bool,
     /// Light that comes from all around.
     pub environment: bool,
+    /// A surface that emits into a cone.
+    pub cones: bool,
     /// A solid that absorbs light.
     pub absorbs: bool,
     /// A light without extent.
     pub punctual: bool,
+    /// A distant light that is seen as a disc.
+    pub suns: bool,
     /// A surface whose parameters vary.
     pub textured: bool,
     /// A surface with a normal map.
@@ -34,8 +38,10 @@ impl Needs {
             specular: any(|material| material.bsdf.is_delta()),
             veils: any(Material::is_veil),
             environment: environment.as_ref().is_some_and(Environment::is_lit),
+            cones: any(|material| material.cone.is_some()),
             absorbs: any(|material| material.absorption != Rgb::ZERO),
-            punctual: punctual.iter().any(PunctualLight::is_lit),
+            punctual: punctual.iter().any(|light| light.is_lit() && !light.has_extent()),
+            suns: punctual.iter().any(|light| light.is_lit() && light.has_extent()),
             textured: any(|material| material.textured.is_some()),
             normal_maps: any(|material| material.textured.as_ref().is_some_and(|t| t.maps.normal.is_some())),
         }

@@ -61,7 +61,7 @@ impl Scene {
     /// The BSDF of a textured surface at a vertex. Takes vertices by value: a reference would keep them out of registers.
     #[inline(never)]
     fn resolve<'a>(&self, textured: &Textured, vertex: Vertex, room: &'a mut Resolved) -> &'a Bsdf {
-        room.0.insert(textured.bsdf(&self.textures, &self.coordinates(&vertex)))
+        room.0.insert(self.textured_bsdf(textured, &vertex))
     }
 }
 

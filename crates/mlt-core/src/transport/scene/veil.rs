@@ -25,14 +25,14 @@ impl Scene {
         }
     }
 
-    /// The surface at which light along a direction, of any length, stops, or the environment beyond all surfaces; and τ of those that
+    /// The surface at which light along a direction, of any length, stops, or a distant light beyond all surfaces; and τ of those that
     /// it passes. A random number is drawn for each surface that is not opaque.
     #[inline(always)]
     pub fn follow(&self, from: &Vertex, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
         self.follow_ray(from.origin(direction), direction, rng)
     }
 
-    /// The same from the camera, which may not see the environment.
+    /// The same from the camera, which may not see what is beyond all surfaces.
     #[inline(always)]
     pub(crate) fn follow_camera_ray(
         &self,
@@ -79,8 +79,8 @@ impl Scene {
         }
     }
 
-    /// τ between two vertices; `None` if an opaque surface stands there, and between the camera and an environment that it does not
-    /// see.
+    /// τ between two vertices; `None` if an opaque surface stands there, and between the camera and what it does not see beyond all
+    /// surfaces.
     #[inline(always)]
     pub fn transmittance(&self, a: &Vertex, b: &Vertex) -> Option<f32> {
         if !Vertex::are_on_surfaces(a, b) {

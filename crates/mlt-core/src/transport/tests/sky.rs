@@ -1,6 +1,8 @@
-//! Light from all around: its distribution, and closed forms.
+//! Light from afar, environments and suns: its distribution, and closed forms.
 
-use super::worlds::{Builder, World, ball, cloudy, glass, glossy, lambert, lamps_and_sky, mirror, outdoors, quad};
+use super::worlds::{
+    Builder, World, ball, beams, brushed, cloudy, glass, glossy, lambert, lamps_and_sky, mirror, outdoors, quad, suns,
+};
 use crate::check::{self, Trials};
 use crate::engine::{Generator, Purpose, generator, uniform, uniform_f32};
 use crate::transport::colour::{Rgb, luminance};
@@ -14,19 +16,31 @@ use crate::transport::paths::subpath::{
 };
 use crate::transport::paths::{LightPath, Luminance, PathVertex, mis, set_scattering};
 use crate::transport::render::Renderer;
-use crate::transport::scene::Environment;
 use crate::transport::scene::light::{Light, Shape};
+use crate::transport::scene::{Environment, Punctual};
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-/// A floor that fills the image, under an environment.
-fn floor(environment: Environment) -> World {
+/// A floor that fills the image, under some light, seen from above.
+fn floor_under(light: impl FnOnce(Builder) -> Builder) -> World {
     let v = DVec3::new;
-    Builder::default()
-        .surface(quad([v(-1., 0., 1.), v(1., 0., 1.), v(1., 0., -1.), v(-1., 0., -1.)]), lambert(Rgb::splat(0.5)))
-        .under(environment)
-        .seen(v(0.1, 1.0, 0.2), v(0.0, 0.0, 0.0), 40.0, [4, 4])
+    let floor = quad([v(-1., 0., 1.), v(1., 0., 1.), v(1., 0., -1.), v(-1., 0., -1.)]);
+    light(Builder::default().surface(floor, lambert(Rgb::splat(0.5)))).seen(v(0.1, 1.0, 0.2), DVec3::ZERO, 40.0, [4, 4])
+}
+
+/// A floor under an environment.
+fn floor(environment: Environment) -> World {
+    floor_under(|builder| builder.under(environment))
+}
+
+/// A floor under suns, given by the height of their middles, their angles and irradiances, all in one plane, and a sky of radiance ½.
+fn sunlit(suns: &[(f32, f32, f32)]) -> World {
+    let sun = |&(height, angle, irradiance): &(f32, f32, f32)| {
+        let along = -Vec3::new(height.cos(), height.sin(), 0.0);
+        (Rgb::splat(irradiance), Punctual::Directional { along, angle })
+    };
+    floor_under(|builder| builder.lit_by(suns.iter().map(sun)).under(Environment::constant(Rgb::splat(0.5))))
 }
 
 /// An image that is bright above and dark below, or the other way round.
@@ -189,6 +203,73 @@ fn a_wrong_density_of_what_is_sent_is_seen() {
     assert!(off(&|path| 1.0 / f64::from(path.vertices[0].cosines[1])) > 10.0, "without the cosine");
 }
 
+/// A disc wholly above the floor sends it E sinh, h being the height of its middle; discs in the same directions, and the sky
+/// behind them, send the sum.
+#[test]
+fn each_technique_alone_finds_what_suns_send() {
+    let cases: [&[(f32, f32, f32)]; 4] = [
+        &[(0.9, 0.01, 3.0)],
+        &[(0.6, 1.0, 2.0)],
+        &[(1.0, 0.8, 2.0), (1.3, 0.8, 1.0)],
+        &[(1.2, 1.5, 1.0), (1.2, 0.2, 2.0)],
+    ];
+    for suns in cases {
+        let world = sunlit(suns);
+        let irradiance: f64 = suns.iter().map(|&(height, _, e)| f64::from(e * height.sin())).sum();
+        let expected = 0.5 * (0.5 + irradiance / PI);
+        // What is as narrow as a sun is not met by chance in so few samples.
+        for s in usize::from(suns[0].1 < 0.1)..3 {
+            let [mean, error] = alone(&world, s, |_| 1.0);
+            assert!(
+                (mean - expected).abs() < 4.0 * error + 1e-3 * expected,
+                "{suns:?}, s = {s}: {mean} ± {error}, {expected}"
+            );
+        }
+    }
+    // The control: one of two that are seen in the same directions is missed.
+    let [single, error] = alone(&sunlit(&[(1.2, 1.5, 1.0)]), 1, |_| 1.0);
+    let both = 0.5 * (0.5 + 3.0 * libm::sin(1.2) / PI);
+    assert!((single - both).abs() > 10.0 * error, "{single} ± {error}, {both}");
+}
+
+/// The floor in the shadow of a black half-plane at the height 1, `behind` its edge, under a sun overhead of half the angle `half`, of irradiance π.
+fn shaded(behind: f64, half: f32) -> World {
+    let v = DVec3::new;
+    let screen = quad([v(0., 1., -9.), v(9., 1., -9.), v(9., 1., 9.), v(0., 1., 9.)]);
+    let floor = quad([v(-1., 0., 1.), v(1., 0., 1.), v(1., 0., -1.), v(-1., 0., -1.)]);
+    let sun = Punctual::Directional { along: Vec3::NEG_Y, angle: 2.0 * half };
+    Builder::default()
+        .surface(floor, lambert(Rgb::ONE))
+        .surface(screen, lambert(Rgb::ZERO))
+        .lit_by([(Rgb::splat(PI as f32), sun)])
+        .seen(v(behind, 0.5, 0.0), v(behind, 0.0, 0.0), 0.5, [4, 4])
+}
+
+/// A white floor shows the share of the disc that it sees, weighted by cosθ: the disc's area seen from above, of radius sinα, where x < −d z.
+#[test]
+fn a_penumbra_is_as_dark_as_the_disc_is_hidden() {
+    let (behind, half) = (0.25, 0.5f32);
+    let (n, radius) = (1000, f64::from(half).sin());
+    let at = |i: i32| radius * (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0);
+    let points = (0..n).flat_map(|i| (0..n).map(move |j| (at(i), at(j)))).filter(|(x, y)| x.hypot(*y) < radius);
+    let [mut seen, mut all] = [0.0; 2];
+    for (x, y) in points {
+        all += 1.0;
+        seen += f64::from(u8::from(x < -behind * (1.0 - x * x - y * y).sqrt()));
+    }
+    let world = shaded(behind, half);
+    for method in METHODS {
+        let [mean, error] = mean_of(&world, settings(method, Stratification::None));
+        assert!((mean - seen / all).abs() < 4.0 * error + 2e-3, "{method:?}: {mean} ± {error}, {}", seen / all);
+        assert!(error < 0.04, "{method:?}: ± {error}");
+    }
+    let [mean, error] = mean_of(&world, settings(Method::Metropolis, Stratification::Grid(4, 4)));
+    assert!((mean - seen / all).abs() < 4.0 * error + 2e-3, "strata: {mean} ± {error}, {}", seen / all);
+    // The control: without extent the sun is wholly hidden.
+    let [dark, _] = mean_of(&shaded(behind, 0.0), settings(Method::Path, Stratification::None));
+    assert!(seen / all > 0.1 && dark == 0.0, "{dark}");
+}
+
 fn settings(method: Method, strata: Stratification) -> Settings {
     Settings { stratification: strata, max_edges: Some(8), ..Settings::new(method, 32.0) }
 }
@@ -225,10 +306,17 @@ const METHODS: [Method; 6] = [
     Method::Auto,
 ];
 
-/// All methods see the same sky, sunlit caustics of glass among it.
+/// All methods see the same sky, sunlit caustics of glass among it, the same suns, and what lamps send into cones.
 #[test]
 fn methods_agree_under_a_sky() {
-    for (name, world) in [("glass", outdoors(glass(0.0))), ("gloss", outdoors(glossy())), ("lamps", lamps_and_sky())] {
+    for (name, world) in [
+        ("glass", outdoors(glass(0.0))),
+        ("gloss", outdoors(glossy())),
+        ("lamps", lamps_and_sky()),
+        ("suns", suns(glossy())),
+        ("beams", beams()),
+        ("brushed", brushed()),
+    ] {
         let found: Vec<_> = METHODS
             .into_iter()
             .map(|method| (method, Stratification::None))
@@ -249,7 +337,7 @@ fn methods_agree_under_a_sky() {
 /// Strata over directions are a partition whose samples are what they say.
 #[test]
 fn strata_over_directions_pass_the_checks() {
-    for world in [outdoors(mirror()), lamps_and_sky()] {
+    for world in [outdoors(mirror()), lamps_and_sky(), suns(mirror())] {
         let parts = LightStrata::new(world.scene.lights(), Stratification::Grid(2, 2));
         let strata = LightStratum::all(&parts, world.view(), 6);
         let whole = LightStrata::new(world.scene.lights(), Stratification::None);

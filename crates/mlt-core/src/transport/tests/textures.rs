@@ -2,7 +2,7 @@
 
 use super::worlds::{Builder, World, map, textured_quad, varying};
 use crate::engine::{Purpose, generator};
-use crate::transport::bsdf::MetallicRoughness;
+use crate::transport::bsdf::{Anisotropy, MetallicRoughness};
 use crate::transport::colour::Rgb;
 use crate::transport::scene::{
     Alpha, ChannelMap, Encoding, Filter, Maps, Material, NormalMap, Pixels, Resolved, Texture, Wrap,
@@ -103,4 +103,71 @@ fn a_uniform_texture_is_a_factor() {
         met += 1;
     }
     assert!(met > 800, "{met}");
+}
+
+/// f_s of brushed metal on the quad where the half vector leans along x, and where it leans along y.
+fn brushed(rotation: f32, direction: Option<[u8; 3]>) -> [f32; 2] {
+    let maps = Maps { anisotropy: direction.map(|_| map(0)), ..Maps::default() };
+    let anisotropy = Anisotropy { strength: 0.7, rotation, ..Anisotropy::default() };
+    let factors = MetallicRoughness { roughness: 0.4, anisotropy, ..MetallicRoughness::default() };
+    let [r, g, b] = direction.unwrap_or_default();
+    let world = seen_quad(varying(factors, maps, Alpha::Opaque), uniform_texture([r, g, b, 255]), Vec::new());
+    let towards = Vec3A::new(0.01, 0.02, -1.0).normalize();
+    let vertex = world.scene.trace(&world.camera.vertex(), towards).expect("the quad");
+    let mut room = Resolved::default();
+    let surface = world.scene.surface(&vertex, &mut room);
+    [Vec3A::X, Vec3A::Y].map(|aside| {
+        let to_light = (Vec3A::Z + 0.8 * aside).normalize();
+        surface.evaluate(to_light, Vec3A::Z).expect("lit").value.x
+    })
+}
+
+/// Streaks lead along u, are turned towards what is up in the image, and follow the texture, whose blue is a factor on their strength.
+#[test]
+fn streaks_lie_as_their_texture_says() {
+    let quarter = std::f32::consts::FRAC_PI_2;
+    for (rotation, direction, along_x) in [
+        (0.0, None, true),
+        (quarter, None, false),
+        (0.0, Some([255, 128, 255]), true),
+        (0.0, Some([128, 255, 255]), false),
+        (-quarter, Some([128, 255, 255]), true),
+    ] {
+        let [x, y] = brushed(rotation, direction);
+        let ratio = if along_x { x / y } else { y / x };
+        assert!(ratio > 3.0, "{rotation}, {direction:?}: {x} along x, {y} along y");
+    }
+    let [x, y] = brushed(0.0, Some([255, 128, 0]));
+    assert!((x / y - 1.0).abs() < 0.01, "{x} and {y} where the texture says that nothing is brushed");
+}
+
+/// Without a map of its own a clear coat is smooth, whatever the base's normal map says; with one it leans as that does.
+#[test]
+fn a_coat_has_the_normal_of_its_own_map() {
+    let shine = |maps: Maps| {
+        let factors = MetallicRoughness {
+            base_color: Rgb::ZERO,
+            metallic: 0.0,
+            specular: 0.0,
+            clearcoat: 1.0,
+            clearcoat_roughness: 0.3,
+            ..MetallicRoughness::default()
+        };
+        // Leans towards +x by about 27°.
+        let leaning = uniform_texture([185, 128, 242, 255]);
+        let world = seen_quad(varying(factors, maps, Alpha::Opaque), leaning, Vec::new());
+        let towards = Vec3A::new(0.01, 0.02, -1.0).normalize();
+        let vertex = world.scene.trace(&world.camera.vertex(), towards).expect("the quad");
+        let mut room = Resolved::default();
+        let surface = world.scene.surface(&vertex, &mut room);
+        [0.0, 54f32].map(|degrees| {
+            let to_light = Vec3A::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
+            surface.evaluate(to_light, Vec3A::Z).map_or(0.0, |found| found.value.x)
+        })
+    };
+    let bent = Some(NormalMap { map: map(0), scale: 1.0 });
+    let [straight, aside] = shine(Maps { normal: bent, ..Maps::default() });
+    assert!(straight > 20.0 * aside, "{straight} {aside}");
+    let [straight, aside] = shine(Maps { clearcoat_normal: bent, ..Maps::default() });
+    assert!(aside > 20.0 * straight, "{straight} {aside}");
 }

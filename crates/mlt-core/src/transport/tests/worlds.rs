@@ -1,11 +1,11 @@
 //! Small scenes for tests.
 
-use crate::transport::bsdf::{Bsdf, Lambert, MetallicRoughness};
+use crate::transport::bsdf::{Anisotropy, Bsdf, Lambert, MetallicRoughness};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
 use crate::transport::scene::{
-    Alpha, Camera, CameraPose, ChannelMap, Encoding, Environment, Filter, Lens, Map, Maps, Material, NormalMap, Pixels,
-    Punctual, PunctualLight, Scene, SceneDescription, Texture, View, Wrap,
+    Alpha, Camera, CameraPose, ChannelMap, Cone, Encoding, Environment, Filter, Lens, Map, Maps, Material, NormalMap,
+    Pixels, Punctual, PunctualLight, Scene, SceneDescription, Texture, View, Wrap,
 };
 use glam::{Affine2, DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
@@ -51,6 +51,13 @@ impl Builder {
     /// Under light from all around.
     pub(crate) fn under(mut self, environment: Environment) -> Self {
         self.0.environment = Some(environment);
+        self
+    }
+
+    /// Lit by lights without a surface.
+    pub(crate) fn lit_by(mut self, lights: impl IntoIterator<Item = (Rgb, Punctual)>) -> Self {
+        let light = |(emission, kind)| PunctualLight { name: String::new(), emission, kind };
+        self.0.punctual.extend(lights.into_iter().map(light));
         self
     }
 
@@ -251,13 +258,46 @@ pub(crate) fn points() -> World {
     let axis = Vec3::new(-0.5, -1.0, -0.2).normalize();
     let mut builder = walls().surface(ball(v(0.1, -0.35, 0.1), 0.5, true), glass(0.0));
     builder.0.materials.iter_mut().for_each(|material| material.emission = Rgb::ZERO);
-    let light = |emission: Rgb, kind: Punctual| PunctualLight { name: String::new(), emission, kind };
-    builder.0.punctual = vec![
-        light(Rgb::new(0.5, 0.4, 0.3), Punctual::Point { position: v(-0.6, 0.5, 0.2) }),
-        light(Rgb::ONE, Punctual::Spot { position: v(0.7, 0.8, 0.3), axis, cone: [0.3, 0.6] }),
-        light(Rgb::new(0.3, 0.4, 1.0), Punctual::Directional { along: Vec3::new(0.1, -0.4, -1.0).normalize() }),
-    ];
-    see(builder)
+    let along = Vec3::new(0.1, -0.4, -1.0).normalize();
+    see(builder.lit_by([
+        (Rgb::new(0.5, 0.4, 0.3), Punctual::Point { position: v(-0.6, 0.5, 0.2) }),
+        (Rgb::ONE, Punctual::Spot { position: v(0.7, 0.8, 0.3), axis, cone: [0.3, 0.6] }),
+        (Rgb::new(0.3, 0.4, 1.0), Punctual::Directional { along, angle: 0.0 }),
+    ]))
+}
+
+/// The box with a ball of glass and two more lamps, balls that emit into cones, of which the wide one reflects, too.
+pub(crate) fn beams() -> World {
+    let v = DVec3::new;
+    let lamp = |bsdf: Bsdf, emission: Rgb, [x, y, z]: [f32; 3], angles: [f32; 2]| {
+        let cone = Some(Cone::new(Vec3::new(x, y, z).normalize(), angles));
+        Material { bsdf, emission, cone, ..Material::default() }
+    };
+    see(walls()
+        .surface(ball(v(0.3, -0.6, 0.3), 0.35, true), glass(0.0))
+        .mesh(ball(v(0.6, 0.6, 0.2), 0.12, false), lamp(Bsdf::Black, Rgb::splat(60.0), [-0.2, -1.0, 0.1], [0.2, 0.4]))
+        .mesh(
+            ball(v(-0.6, 0.0, -0.2), 0.2, true),
+            lamp(lambert(Rgb::splat(0.5)), Rgb::new(4.0, 6.0, 9.0), [1.0, -0.5, 0.5], [0.0, 1.4]),
+        ))
+}
+
+/// A floor with a ball of some material and a diffuse one beside it, under two suns that are seen in part in the same directions, one of
+/// which sets, and a faint sky.
+pub(crate) fn suns(bsdf: Bsdf) -> World {
+    let v = DVec3::new;
+    let sun = |x: f32, y: f32, angle: f32| Punctual::Directional { along: -Vec3::new(x, y, 0.4).normalize(), angle };
+    Builder::default()
+        .surface(quad([v(-2., 0., 2.), v(2., 0., 2.), v(2., 0., -2.), v(-2., 0., -2.)]), lambert(Rgb::splat(0.6)))
+        .surface(ball(v(-0.5, 0.6, 0.1), 0.5, true), bsdf)
+        .surface(ball(v(0.7, 0.5, 0.0), 0.4, false), lambert(Rgb::new(0.7, 0.3, 0.2)))
+        .lit_by([
+            (Rgb::new(1.0, 0.8, 0.5), sun(0.3, 1.0, 0.3)),
+            (Rgb::new(0.5, 0.6, 1.0), sun(0.5, 1.0, 0.6)),
+            (Rgb::new(1.5, 0.5, 0.2), sun(-1.0, 0.1, 0.5)),
+        ])
+        .under(Environment::constant(Rgb::splat(0.2)))
+        .seen(v(0.3, 0.9, 3.6), v(0.0, 0.6, 0.0), 42.0, [16, 16])
 }
 
 /// The box seen through a lens that blurs its light and most of its balls.
@@ -347,11 +387,6 @@ pub(crate) fn textured() -> World {
     let bumps = Maps { normal: Some(NormalMap { map: map(2), scale: 0.7 }), ..Maps::default() };
     let glow = Maps { emission: Some(map(0)), ..Maps::default() };
     let lamp = Material { emission: Rgb::splat(6.0), ..varying(plain.clone(), glow, Alpha::Opaque) };
-    let round = |centre, radius| {
-        let ball = ball(centre, radius, true);
-        let uv = ball.normals.iter().map(|n| Vec2::new(n.x + n.z, n.y)).collect();
-        Mesh { uv: [uv, Vec::new()], ..ball }
-    };
     let builder = walls()
         .mesh(
             textured_quad([v(-1., -1., 0.5), v(1., -1., 0.5), v(1., 1., 0.5), v(-1., 1., 0.5)]),
@@ -361,6 +396,34 @@ pub(crate) fn textured() -> World {
         .mesh(round(v(0.45, -0.5, 0.0), 0.4), varying(plain, bumps, Alpha::Opaque))
         .mesh(textured_quad([v(-0.9, -0.2, -0.8), v(-0.3, -0.2, -0.9), v(-0.3, 0.6, -0.9), v(-0.9, 0.6, -0.8)]), lamp);
     see(builder.with_textures(vec![texture(4, Encoding::Srgb), texture(3, Encoding::Linear), normal_map()]))
+}
+
+/// A smooth ball with texture coordinates.
+fn round(centre: DVec3, radius: f64) -> Mesh {
+    let ball = ball(centre, radius, true);
+    let uv = ball.normals.iter().map(|n| Vec2::new(n.x + n.z, n.y)).collect();
+    Mesh { uv: [uv, Vec::new()], ..ball }
+}
+
+/// The box with a ball of brushed metal whose streaks a texture turns, one of brushed plastic, and a bumpy coat over a smooth base.
+pub(crate) fn brushed() -> World {
+    let v = DVec3::new;
+    let parameters = |metallic, roughness, strength| MetallicRoughness {
+        base_color: Rgb::new(0.9, 0.7, 0.5),
+        metallic,
+        roughness,
+        anisotropy: Anisotropy { strength, rotation: 0.5, ..Anisotropy::default() },
+        ..MetallicRoughness::default()
+    };
+    let turning = Maps { anisotropy: Some(map(0)), ..Maps::default() };
+    let bumps = Maps { clearcoat_normal: Some(NormalMap { map: map(1), scale: 0.5 }), ..Maps::default() };
+    let coated =
+        MetallicRoughness { clearcoat: 1.0, clearcoat_roughness: 0.5, metallic: 0.0, ..MetallicRoughness::default() };
+    see(walls()
+        .mesh(round(v(-0.4, -0.5, 0.2), 0.4), varying(parameters(1.0, 0.5, 0.8), turning, Alpha::Opaque))
+        .mesh(round(v(0.45, -0.5, 0.0), 0.4), varying(parameters(0.0, 0.4, 0.9), Maps::default(), Alpha::Opaque))
+        .mesh(round(v(0.0, 0.2, -0.3), 0.4), varying(coated, bumps, Alpha::Opaque))
+        .with_textures(vec![texture(3, Encoding::Linear), normal_map()]))
 }
 
 /// The box with a ball of glass that absorbs, and one of velvet under a coat.
@@ -411,9 +474,12 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("sky on gloss", outdoors(glossy())),
         ("lamps and sky", lamps_and_sky()),
         ("points and a sun", points()),
+        ("suns", suns(glass(0.0))),
+        ("beams", beams()),
         ("thin lens", blurred()),
         ("orthographic camera", parallel()),
         ("textured", textured()),
+        ("brushed", brushed()),
         ("layers and absorbing glass", layers()),
     ]
 }

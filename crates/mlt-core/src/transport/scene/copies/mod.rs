@@ -12,7 +12,7 @@ use super::primitive::Primitive;
 use super::triangles::{Triangles, mix, on_side_of};
 use crate::transport::accel::{Accel, Copies};
 use crate::transport::geometry::{Hit, Placement, Ray, Space, Vertex, points};
-use glam::DAffine3;
+use glam::{DAffine3, Vec3A};
 
 /// Triangles that stand in several places.
 #[derive(Debug)]
@@ -73,6 +73,18 @@ impl Scene {
                 Held { primitive, number: shape.first + instance.triangle, placement: Some(instance.placement) }
             }
         }
+    }
+
+    /// The interpolated normal of a vertex at barycentric weights of its triangle, which no map has bent.
+    pub(super) fn smooth_normal(&self, vertex: &Vertex, weights: [f32; 2]) -> Vec3A {
+        let corners = match self.accel.instance(vertex.primitive) {
+            None => self.triangles.normals(vertex.primitive).map(|normals| normals.map(Vec3A::from)),
+            Some(instance) => {
+                let normals = self.shapes[instance.shape].triangles.normals(instance.triangle);
+                normals.map(|normals| normals.map(|normal| instance.placement.normal(normal.into())))
+            }
+        };
+        corners.map_or(vertex.geometric_normal, |corners| on_side_of(vertex.geometric_normal, mix(corners, weights)))
     }
 
     /// The vertex of a hit on a copy; `None`: there is no such triangle. Takes both by value: a reference would keep them out of registers.

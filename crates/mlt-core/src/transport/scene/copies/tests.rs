@@ -2,11 +2,12 @@
 
 use crate::engine::{Purpose, generator, uniform};
 use crate::transport::accel::{Accel, Copies};
-use crate::transport::bsdf::MetallicRoughness;
+use crate::transport::bsdf::{Anisotropy, MetallicRoughness};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::{Mesh, Placement, Ray, Vertex, points};
 use crate::transport::scene::{
-    Alpha, Encoding, Filter, Maps, Material, NormalMap, Pixels, Prototype, Scene, SceneDescription, Texture, Wrap,
+    Alpha, Encoding, Filter, Maps, Material, NormalMap, Pixels, Prototype, Resolved, Scene, SceneDescription, Texture,
+    Wrap,
 };
 use crate::transport::tests::worlds::{ball, map, quad, varying};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3, Vec3A, Vec4};
@@ -221,6 +222,46 @@ fn vertices_of_copies_are_those_in_world_space() {
         };
         assert!(worst(&shared) < 0.02, "{place:?}: {}", worst(&shared));
         assert!(worst(&control) > 0.04, "{place:?}: {}", worst(&control));
+    }
+}
+
+/// Brushed metal under a smooth coat scatters on a copy as in world space. Control: the copies are turned.
+#[test]
+fn surfaces_of_copies_are_those_in_world_space() {
+    let mesh = bumpy(false).0;
+    let factors = MetallicRoughness {
+        roughness: 0.5,
+        anisotropy: Anisotropy { strength: 0.7, rotation: 0.4, ..Anisotropy::default() },
+        clearcoat: 0.5,
+        clearcoat_roughness: 0.5,
+        ..MetallicRoughness::default()
+    };
+    let maps = Maps { normal: Some(NormalMap { map: map(0), scale: 0.3 }), ..Maps::default() };
+    let material = varying(factors, maps, Alpha::Opaque);
+    for place in places() {
+        let turned = place * DAffine3::from_rotation_y(0.3);
+        let [baked, shared, control] = [(place, false), (place, true), (turned, true)]
+            .map(|(place, shared)| scene(mesh.clone(), material.clone(), vec![place], shared));
+        let scattered = |scene: &Scene, vertex: &Vertex, aside: Vec3A| {
+            let [to_light, to_eye] = [aside, -aside].map(|aside| (vertex.geometric_normal + 0.6 * aside).normalize());
+            let found = scene.surface(vertex, &mut Resolved::default()).evaluate(to_light, to_eye);
+            found.map_or(0.0, |found| found.value.x)
+        };
+        let typical = |other: &Scene| {
+            let pairs = vertices(&baked, &place, 5).zip(vertices(other, &place, 5));
+            let mut off: Vec<_> = pairs
+                .filter_map(|(a, b)| {
+                    let (a, b) = (a?, b?);
+                    let aside = a.geometric_normal.any_orthonormal_vector();
+                    let [x, y] = [(&baked, a), (other, b)].map(|(scene, vertex)| scattered(scene, &vertex, aside));
+                    Some((x - y).abs() / (x + y + 1e-3))
+                })
+                .collect();
+            off.sort_by(f32::total_cmp);
+            off[off.len() * 9 / 10]
+        };
+        assert!(typical(&shared) < 0.02, "{place:?}: {}", typical(&shared));
+        assert!(typical(&control) > 0.05, "{place:?}: {}", typical(&control));
     }
 }
 

@@ -30,7 +30,7 @@ impl Light {
     }
 
     fn surface(area: f64, shape: Area) -> Self {
-        Self::new(Shape::Area(shape), area, Rgb::ZERO, false)
+        Self::new(Shape::Area(shape), area, Rgb::ZERO)
     }
 }
 

@@ -1,11 +1,12 @@
-//! Emission of a vertex on a light: a surface's is the same radiance in every direction of its front, or of both of its sides.
+//! Emission of a vertex on a light: a surface's is the same radiance in every direction of its front, or of both of its sides, or in those
+//! of a cone.
 
 use super::uneven::Uneven;
-use super::{Area, Light, LightPoint, Shape, Source};
+use super::{Area, Cone, Light, LightPoint, Shape, Source};
 use crate::engine::uniform_f32;
 use crate::transport::colour::{Rgb, luminance};
 use crate::transport::geometry::math::cosine_hemisphere;
-use crate::transport::geometry::{ERROR_FACTOR, Place, Vertex};
+use crate::transport::geometry::{ERROR_FACTOR, LIGHT, Place, Vertex};
 use crate::transport::scene::Scene;
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
@@ -19,8 +20,9 @@ impl Scene {
         let vertex = match &light.shape {
             Shape::Area(area) => self.point_on_surface(area, point),
             Shape::Environment(around) => self.distant(point.light, around.direction(point.u, point.v)),
+            Shape::Sun(sun) => self.distant(point.light, sun.direction(point.u, point.v)),
             Shape::Direction(rays) => Vertex { place: Place::Direction, ..self.distant(point.light, rays.towards) },
-            Shape::Point(source) => Vertex::free(point.light, [source.position.into(), source.axis()], self.black()),
+            Shape::Point(source) => Vertex::free(point.light, [source.position.into(), source.cone.axis], self.black()),
         };
         (light, vertex)
     }
@@ -43,18 +45,25 @@ impl Scene {
         }
         let material = self.material(vertex);
         let lit = material.emits_both_sides || vertex.geometric_normal.dot(direction) > 0.0;
-        if lit && !self.is_hidden(vertex, direction) { self.emission(vertex) } else { Rgb::ZERO }
+        if lit && !self.is_hidden(vertex, direction) { self.emission(vertex, direction) } else { Rgb::ZERO }
     }
 
-    /// Radiance of the lit side.
+    /// Radiance of the lit side into a direction.
     #[inline(always)]
-    fn emission(&self, vertex: &Vertex) -> Rgb {
+    fn emission(&self, vertex: &Vertex, direction: Vec3A) -> Rgb {
         let material = self.material(vertex);
-        if self.needs.textured && material.textured.is_some() {
+        let radiance = if self.needs.textured && material.textured.is_some() {
             self.varying_emission(*vertex)
         } else {
             material.emission
-        }
+        };
+        self.cone(vertex).map_or(radiance, |cone| radiance * cone.share(direction))
+    }
+
+    /// The cone that a surface emits into, if it does.
+    #[inline(always)]
+    fn cone(&self, vertex: &Vertex) -> Option<&Cone> {
+        if self.needs.cones { self.material(vertex).cone.as_ref() } else { None }
     }
 
     #[inline(never)]
@@ -85,7 +94,7 @@ impl Scene {
         match &light.shape {
             Shape::Area(Area::Uneven(uneven)) => self.uneven_exitance(uneven, *vertex),
             Shape::Environment(_) => f64::from(luminance(emitted)) / f64::from(luminance(light.emission)),
-            Shape::Area(_) | Shape::Point(_) | Shape::Direction(_) => 1.0,
+            Shape::Area(_) | Shape::Sun(_) | Shape::Point(_) | Shape::Direction(_) => 1.0,
         }
     }
 
@@ -105,25 +114,46 @@ impl Scene {
         if vertex.place != Place::Surface {
             return self.ray_without_surface(*vertex, u);
         }
+        if let Some(cone) = self.cone(vertex) {
+            return vertex.ray(cone.direction(u));
+        }
         let back = self.material(vertex).emits_both_sides && uniform_f32(rng) < 0.5;
         vertex.ray(cosine_hemisphere(if back { -vertex.geometric_normal } else { vertex.geometric_normal }, u))
     }
 
-    /// Density of that ray: of its direction, sr⁻¹, cosθ/π, or half that on each of two sides; uniform in the cone of a point; from a
+    /// Density of that ray: of its direction, sr⁻¹, cosθ/π, or half that on each of two sides; uniform in a cone; from a
     /// distant vertex of the ray's point on the disc that faces the scene, per area.
     #[inline(always)]
     pub(crate) fn pdf_emission(&self, vertex: &Vertex, direction: Vec3A) -> f32 {
         if vertex.place != Place::Surface {
             return self.pdf_without_surface(*vertex);
         }
+        if let Some(cone) = self.cone(vertex) {
+            return cone.pdf();
+        }
         let cos = vertex.geometric_normal.dot(direction);
         if self.material(vertex).emits_both_sides { 0.5 * cos.abs() * FRAC_1_PI } else { cos.max(0.0) * FRAC_1_PI }
     }
 
-    /// The vertex of the environment that a ray meets which meets nothing else.
+    /// The vertex of a distant light that a ray meets which meets nothing else.
     #[cold]
     pub(in crate::transport::scene) fn beyond(&self, direction: Vec3A) -> Option<Vertex> {
-        self.lights.environment().map(|light| self.distant(light, direction.normalize()))
+        if self.needs.environment | self.needs.suns { self.distant_in(direction.normalize()) } else { None }
+    }
+
+    #[inline(never)]
+    fn distant_in(&self, direction: Vec3A) -> Option<Vertex> {
+        self.lights.in_direction(direction).next().map(|(light, _)| self.distant(light, direction))
+    }
+
+    /// Radiance from a direction, of a vertex on a distant light: where several are seen in one direction, all of their light is that of the
+    /// first.
+    fn radiance_from(&self, vertex: &Vertex) -> Rgb {
+        let mut seen = self.lights.in_direction(vertex.position).peekable();
+        match seen.peek() {
+            Some(&(first, _)) if LIGHT + first == vertex.primitive => seen.map(|(_, radiance)| radiance).sum(),
+            _ => Rgb::ZERO,
+        }
     }
 
     #[inline(always)]
@@ -148,22 +178,22 @@ impl Scene {
     #[cold]
     fn ray_without_surface(&self, vertex: Vertex, u: Vec2) -> (Vec3A, Vec3A) {
         match self.source(&vertex) {
-            Some(source) => (vertex.position, source.direction(u)),
+            Some(source) => (vertex.position, source.cone.direction(u)),
             None => self.sphere.ray_along(-vertex.position, u),
         }
     }
 
     #[cold]
     fn pdf_without_surface(&self, vertex: Vertex) -> f32 {
-        self.source(&vertex).map_or(self.sphere.pdf(), Source::pdf)
+        self.source(&vertex).map_or(self.sphere.pdf(), |source| source.cone.pdf())
     }
 
     #[cold]
     fn emitted_without_surface(&self, vertex: Vertex, direction: Vec3A) -> Rgb {
         let Some(light) = self.lights.of(vertex.primitive) else { return Rgb::ZERO };
         match &light.shape {
-            Shape::Environment(around) => around.radiance(vertex.position.into()),
-            Shape::Point(source) => light.emission * source.share(direction),
+            Shape::Environment(_) | Shape::Sun(_) => self.radiance_from(&vertex),
+            Shape::Point(source) => light.emission * source.cone.share(direction),
             Shape::Direction(_) => light.emission,
             Shape::Area(_) => Rgb::ZERO,
         }

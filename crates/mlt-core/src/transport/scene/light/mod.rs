@@ -6,23 +6,28 @@
 //! mapped.
 
 mod area;
+mod cone;
 mod emission;
 mod environment;
 mod piece;
 mod punctual;
+mod sun;
 mod triangles;
 mod uneven;
 
+use super::material::Material;
 use crate::transport::colour::{Rgb, luminance};
-use glam::{DVec2, Vec3};
+use glam::{DVec2, Vec3, Vec3A};
 use std::f32::consts::PI;
 
 pub(crate) use area::Area;
+pub use cone::Cone;
 pub use environment::Environment;
 pub(super) use environment::Surroundings;
 pub(crate) use piece::Piece;
 pub use punctual::{Punctual, PunctualLight};
 use punctual::{Rays, Source};
+use sun::Sun;
 
 /// A point of a light: the light, and coordinates in the unit square that it is mapped from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,8 +47,11 @@ pub struct Light {
     pub emission: Rgb,
     /// Emits from the back as well.
     pub both_sides: bool,
-    /// Measure of the whole light: of a surface its area times opacity, scene units²; of an environment 4π sr;
-    /// 1 without extent.
+    /// Of a surface: ∫ |cosθ| dω over what its radiance goes into, in the mean over the surface: π, 2π from both sides, less into a
+    /// cone.
+    spread: f32,
+    /// Measure of the whole light: of a surface its area times opacity, scene units²; of an environment 4π sr, of a sun its solid
+    /// angle; 1 without extent.
     pub measure: f64,
     pub(crate) shape: Shape,
     mean_exitance: f64,
@@ -56,6 +64,8 @@ pub(crate) enum Shape {
     Area(Area),
     /// On the directions that a scene is seen from.
     Environment(Box<Surroundings>),
+    /// On a disc of those.
+    Sun(Sun),
     /// Wholly on a point.
     Point(Source),
     /// Wholly on a direction.
@@ -63,34 +73,48 @@ pub(crate) enum Shape {
 }
 
 impl Light {
-    /// A light of this mean radiance, on its fronts or on both of its sides.
-    fn new(shape: Shape, measure: f64, emission: Rgb, both_sides: bool) -> Self {
-        let brightness = luminance(emission);
-        let mean_exitance = match &shape {
-            Shape::Area(_) => f64::from(brightness * PI) * if both_sides { 2.0 } else { 1.0 },
-            Shape::Environment(around) => f64::from(brightness) * around.cross_section(),
-            Shape::Point(source) => f64::from(brightness * source.solid_angle()),
-            Shape::Direction(rays) => f64::from(brightness) * rays.cross_section(),
-        };
-        Self { emission, both_sides, measure, shape, mean_exitance }
+    /// A light of this mean radiance that sends it from its fronts into all directions.
+    fn new(shape: Shape, measure: f64, emission: Rgb) -> Self {
+        Self::spreading(shape, measure, emission, PI)
     }
 
-    /// The same light with another mean radiance, on its fronts or on both of its sides, where only a share of it is there.
-    pub(super) fn shining(self, emission: Rgb, both_sides: bool, opacity: f32) -> Self {
-        Self::new(self.shape, self.measure * f64::from(opacity), emission, both_sides)
+    /// The same where ∫ |cosθ| dω over what a surface's radiance goes into is `spread`, in the mean over the surface.
+    fn spreading(shape: Shape, measure: f64, emission: Rgb, spread: f32) -> Self {
+        let brightness = luminance(emission);
+        let mean_exitance = match &shape {
+            Shape::Area(_) => f64::from(brightness * spread),
+            Shape::Environment(around) => f64::from(brightness) * around.sphere().cross_section(),
+            Shape::Sun(Sun { sphere, .. }) | Shape::Direction(Rays { sphere, .. }) => {
+                f64::from(brightness) * sphere.cross_section()
+            }
+            Shape::Point(source) => f64::from(brightness * source.cone.solid_angle()),
+        };
+        Self { emission, both_sides: false, spread, measure, shape, mean_exitance }
+    }
+
+    /// The same light with another mean radiance, on the sides and into the directions that a material sends it, where only a share of it
+    /// is there.
+    pub(super) fn shining(self, material: &Material, emission: Rgb, opacity: f32) -> Self {
+        let both_sides = material.emits_both_sides;
+        // Over a closed surface, which a lamp with a cone is, the mean of |cosθ| is ¼ on the front.
+        let front = material.cone.map_or(PI, |cone| 0.25 * cone.solid_angle());
+        let spread = if both_sides { 2.0 * front } else { front };
+        let light = Self::spreading(self.shape, self.measure * f64::from(opacity), emission, spread);
+        Self { both_sides, ..light }
     }
 
     /// Mean of M, the power that is emitted per measure, luminance: π L of a surface, twice that for both sides; π R² L of
-    /// an environment, R being the radius of a sphere around the scene; ∫ I dω of a point, π R² E of a direction.
+    /// an environment or a sun, R being the radius of a sphere around the scene; ∫ I dω of a point, π R² E of a direction.
     #[inline]
     pub fn mean_exitance(&self) -> f64 {
         self.mean_exitance
     }
 
-    /// π times the largest intensity that it sends anywhere: of a surface its power.
+    /// π times the largest intensity that it sends anywhere: of a surface that sends its radiance into all directions its power.
     pub(crate) fn brightness(&self) -> f64 {
         match &self.shape {
             Shape::Point(_) => f64::from(luminance(self.emission) * PI),
+            Shape::Area(_) => self.power() * f64::from(self.spread.max(PI) / self.spread),
             _ => self.power(),
         }
     }
@@ -109,8 +133,17 @@ impl Light {
     pub(crate) fn brightest(&self) -> Rgb {
         match &self.shape {
             Shape::Area(Area::Uneven(uneven)) => uneven.brightest,
-            Shape::Area(_) | Shape::Point(_) | Shape::Direction(_) => self.emission,
+            Shape::Area(_) | Shape::Sun(_) | Shape::Point(_) | Shape::Direction(_) => self.emission,
             Shape::Environment(around) => around.brightest(),
+        }
+    }
+
+    /// Radiance from a unit direction of a distant light that has an extent, if it is seen there.
+    pub(super) fn met_in(&self, direction: Vec3A) -> Option<Rgb> {
+        match &self.shape {
+            Shape::Environment(around) => Some(around.radiance(direction.into())),
+            Shape::Sun(sun) => sun.holds(direction).then_some(self.emission),
+            Shape::Area(_) | Shape::Point(_) | Shape::Direction(_) => None,
         }
     }
 
@@ -118,8 +151,8 @@ impl Light {
     pub(crate) fn radius_around(&self) -> Option<f32> {
         match &self.shape {
             Shape::Area(_) | Shape::Point(_) => None,
-            Shape::Environment(around) => Some(around.radius()),
-            Shape::Direction(rays) => Some(rays.sphere.radius),
+            Shape::Environment(around) => Some(around.sphere().radius),
+            Shape::Sun(Sun { sphere, .. }) | Shape::Direction(Rays { sphere, .. }) => Some(sphere.radius),
         }
     }
 
@@ -129,7 +162,7 @@ impl Light {
         match &self.shape {
             Shape::Area(area) => area.pieces(low, high),
             Shape::Point(source) => (0, vec![source.piece([low, high])]),
-            Shape::Environment(_) | Shape::Direction(_) => (0, Vec::new()),
+            Shape::Environment(_) | Shape::Sun(_) | Shape::Direction(_) => (0, Vec::new()),
         }
     }
 
@@ -137,18 +170,18 @@ impl Light {
     pub(crate) fn sides(&self) -> DVec2 {
         match &self.shape {
             Shape::Area(area) => area.sides(),
-            // Half a turn from the top to the bottom, a whole one around.
-            Shape::Environment(_) => DVec2::new(1.0, 2.0),
+            // Half a turn from the top to the bottom, a whole one around; of a disc, about as much.
+            Shape::Environment(_) | Shape::Sun(_) => DVec2::new(1.0, 2.0),
             Shape::Point(_) | Shape::Direction(_) => DVec2::ONE,
         }
     }
 
     /// Cells along u and v of as many columns and rows as were asked for; a mesh is cut along u alone, which runs through its
-    /// triangles, and a column of an environment is one of azimuths, which are v. What has no extent is one cell.
+    /// triangles, and a column of an environment or a sun is one of azimuths, which are v. What has no extent is one cell.
     pub(crate) fn grid(&self, size: [u32; 2]) -> [u32; 2] {
         match &self.shape {
             Shape::Area(area) => area.grid(size),
-            Shape::Environment(_) => [size[1], size[0]],
+            Shape::Environment(_) | Shape::Sun(_) => [size[1], size[0]],
             Shape::Point(_) | Shape::Direction(_) => [1, 1],
         }
     }
@@ -157,9 +190,9 @@ impl Light {
     pub fn centre(&self) -> Vec3 {
         match &self.shape {
             Shape::Area(area) => area.centre(),
-            Shape::Environment(around) => around.centre(),
+            Shape::Environment(around) => around.sphere().centre.into(),
+            Shape::Sun(Sun { sphere, .. }) | Shape::Direction(Rays { sphere, .. }) => sphere.centre.into(),
             Shape::Point(source) => source.position,
-            Shape::Direction(rays) => rays.sphere.centre.into(),
         }
     }
 
@@ -169,6 +202,7 @@ impl Light {
         match &self.shape {
             Shape::Area(area) => area.coordinates(index, position),
             Shape::Environment(around) => around.coordinates(position),
+            Shape::Sun(sun) => sun.coordinates(position),
             Shape::Point(_) | Shape::Direction(_) => (0.5, 0.5),
         }
     }

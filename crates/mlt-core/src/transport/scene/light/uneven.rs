@@ -109,7 +109,7 @@ impl Light {
             .collect();
         cumulative.iter_mut().for_each(|c| *c /= sum);
         let shape = Shape::Area(Area::Uneven(Box::new(Uneven { triangles, sides, cumulative, relative, brightest })));
-        Some(Self::new(shape, total, emission.as_vec3(), false))
+        Some(Self::new(shape, total, emission.as_vec3()))
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::coordinates::Coordinates;
 use super::texture::Texture;
-use crate::transport::bsdf::{Bsdf, MetallicRoughness, Varying};
+use crate::transport::bsdf::{Anisotropy, Bsdf, Directions, MetallicRoughness, Varying};
 use crate::transport::colour::Rgb;
-use glam::{Affine2, Vec3A, Vec4, Vec4Swizzles};
+use glam::{Affine2, Vec2, Vec3A, Vec4, Vec4Swizzles};
 
 /// Where a parameter finds its texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,10 +66,14 @@ pub struct Maps {
     pub clearcoat: Option<ChannelMap>,
     /// On the clear coat's roughness.
     pub clearcoat_roughness: Option<ChannelMap>,
+    /// Of the clear coat's normal.
+    pub clearcoat_normal: Option<NormalMap>,
     /// On the sheen's colour.
     pub sheen_color: Option<Map>,
     /// On the sheen's roughness.
     pub sheen_roughness: Option<ChannelMap>,
+    /// Of the anisotropy: red and green are its direction between tangent and bitangent, (d + 1)/2, blue is on its strength.
+    pub anisotropy: Option<Map>,
     /// On the emission.
     pub emission: Option<Map>,
     /// On the opacity.
@@ -121,12 +125,31 @@ fn colour(map: Option<Map>, textures: &[Texture], place: &Coordinates) -> Rgb {
 impl Maps {
     /// Every texture in use.
     pub(crate) fn all(&self) -> impl Iterator<Item = Map> {
-        let channels = [self.metallic, self.roughness, self.transmission, self.specular, self.opacity];
-        let layers = [self.clearcoat, self.clearcoat_roughness, self.sheen_roughness];
-        let channels = channels.into_iter().chain(layers);
-        let normal = self.normal.map(|normal| normal.map);
-        let colours = [self.base_color, self.specular_color, self.sheen_color, self.emission, normal];
-        channels.map(|channel| channel.map(|channel| channel.map)).chain(colours).flatten()
+        // Without "..": a map that is forgotten here is not checked.
+        let &Self {
+            base_color,
+            metallic,
+            roughness,
+            transmission,
+            specular,
+            specular_color,
+            clearcoat,
+            clearcoat_roughness,
+            clearcoat_normal,
+            sheen_color,
+            sheen_roughness,
+            anisotropy,
+            emission,
+            opacity,
+            normal,
+            vertex_colours: _,
+            emissive_vertices: _,
+        } = self;
+        let base = [metallic, roughness, transmission, specular, opacity];
+        let channels = base.into_iter().chain([clearcoat, clearcoat_roughness, sheen_roughness]);
+        let normals = [normal, clearcoat_normal].map(|normal| normal.map(|normal| normal.map));
+        let colours = [base_color, specular_color, sheen_color, anisotropy, emission];
+        channels.map(|channel| channel.map(|channel| channel.map)).chain(colours).chain(normals).flatten()
     }
 
     /// Whether nothing varies.
@@ -151,29 +174,65 @@ impl Textured {
 
     /// The BSDF where no texture changes a factor: it is delta, or lets light pass, where those at all points do.
     pub fn representative(&self) -> Bsdf {
-        self.varying.bsdf(&self.factors)
+        self.varying.bsdf(&self.factors, Directions::default())
     }
 
-    /// The BSDF at a point.
-    pub(crate) fn bsdf(&self, textures: &[Texture], place: &Coordinates) -> Bsdf {
+    /// The set of coordinates that the tangents of a brushed surface follow; `None`: it is not brushed.
+    pub(crate) fn brushed_along(&self) -> Option<usize> {
+        let map = self.maps.anisotropy.or(self.maps.normal.map(|normal| normal.map));
+        self.factors.is_brushed().then(|| map.map_or(0, |map| usize::from(map.set)))
+    }
+
+    /// Whether a clear coat has another normal than the base, and its normal map if it has one.
+    pub(crate) fn coat_normal(&self) -> Option<Option<NormalMap>> {
+        let maps = &self.maps;
+        let bent = maps.normal.is_some() || maps.clearcoat_normal.is_some();
+        (self.factors.clearcoat > 0.0 && bent).then_some(maps.clearcoat_normal)
+    }
+
+    /// The BSDF at a point, where a brushed surface has these unit tangents at a right angle to its normal, and a clear coat this normal.
+    pub(crate) fn bsdf(
+        &self,
+        textures: &[Texture],
+        place: &Coordinates,
+        tangents: Option<[Vec3A; 2]>,
+        coat_normal: Option<Vec3A>,
+    ) -> Bsdf {
         let (maps, factors) = (&self.maps, &self.factors);
+        let streaks = tangents.map(|tangents| self.streaks(textures, place, tangents));
+        let (anisotropy, streak) = streaks.unzip();
+        let directions = Directions { streak, coat_normal };
         let mut base_color = factors.base_color * colour(maps.base_color, textures, place);
         if maps.vertex_colours {
             base_color *= place.rgb();
         }
-        self.varying.bsdf(&MetallicRoughness {
-            base_color,
-            metallic: factors.metallic * number(maps.metallic, textures, place),
-            roughness: factors.roughness * number(maps.roughness, textures, place),
-            transmission: factors.transmission * number(maps.transmission, textures, place),
-            specular: factors.specular * number(maps.specular, textures, place),
-            specular_color: factors.specular_color * colour(maps.specular_color, textures, place),
-            clearcoat: factors.clearcoat * number(maps.clearcoat, textures, place),
-            clearcoat_roughness: factors.clearcoat_roughness * number(maps.clearcoat_roughness, textures, place),
-            sheen_color: factors.sheen_color * colour(maps.sheen_color, textures, place),
-            sheen_roughness: factors.sheen_roughness * number(maps.sheen_roughness, textures, place),
-            ..*factors
-        })
+        self.varying.bsdf(
+            &MetallicRoughness {
+                base_color,
+                metallic: factors.metallic * number(maps.metallic, textures, place),
+                roughness: factors.roughness * number(maps.roughness, textures, place),
+                transmission: factors.transmission * number(maps.transmission, textures, place),
+                specular: factors.specular * number(maps.specular, textures, place),
+                specular_color: factors.specular_color * colour(maps.specular_color, textures, place),
+                clearcoat: factors.clearcoat * number(maps.clearcoat, textures, place),
+                clearcoat_roughness: factors.clearcoat_roughness * number(maps.clearcoat_roughness, textures, place),
+                sheen_color: factors.sheen_color * colour(maps.sheen_color, textures, place),
+                sheen_roughness: factors.sheen_roughness * number(maps.sheen_roughness, textures, place),
+                anisotropy: anisotropy.unwrap_or(factors.anisotropy),
+                ..*factors
+            },
+            directions,
+        )
+    }
+
+    /// Anisotropy at a point, and the unit tangent along which the surface is rougher.
+    fn streaks(&self, textures: &[Texture], place: &Coordinates, [t, b]: [Vec3A; 2]) -> (Anisotropy, Vec3A) {
+        let Anisotropy { strength, rotation, .. } = self.factors.anisotropy;
+        let read = self.maps.anisotropy.map(|map| map.at(textures, place));
+        let (direction, factor) = read.map_or((Vec2::X, 1.0), |read| (2.0 * read.xy() - 1.0, read.z));
+        let turned = Vec2::new(libm::cosf(rotation), libm::sinf(rotation)).rotate(direction);
+        let streak = (turned.x * t + turned.y * b).normalize_or(t);
+        (Anisotropy { strength: strength * factor, ..self.factors.anisotropy }, streak)
     }
 
     /// Factor on the emission at a point.

@@ -32,20 +32,12 @@ impl Surroundings {
         let mean = [0, 1, 2].map(|channel| (distribution.integral(|row| rows[row][channel]) / (4.0 * PI)) as f32);
         let around = Self { size, pixels, distribution, rotation: rotation / TAU, sphere };
         let shape = Shape::Environment(Box::new(around));
-        Light::new(shape, 4.0 * PI, mean.into(), false)
+        Light::new(shape, 4.0 * PI, mean.into())
     }
 
-    /// π R².
-    pub(crate) fn cross_section(&self) -> f64 {
-        PI * f64::from(self.sphere.radius).powi(2)
-    }
-
-    pub(crate) fn radius(&self) -> f32 {
-        self.sphere.radius
-    }
-
-    pub(crate) fn centre(&self) -> Vec3 {
-        self.sphere.centre.into()
+    /// Around the scene.
+    pub(crate) fn sphere(&self) -> &Sphere {
+        &self.sphere
     }
 
     /// Largest radiance of a pixel, channel by channel.
