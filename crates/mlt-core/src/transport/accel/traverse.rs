@@ -119,7 +119,7 @@ macro_rules! query {
 query!(closest -> Option<Hit>, nearest, nearest_scaled, closest_portable, closest_avx2);
 query!(occluded -> bool, any, any_scaled, occluded_portable, occluded_avx2);
 
-/// By value, as what is referred to has to lie in memory.
+/// Takes the ray by value: a reference would keep it out of registers.
 #[cold]
 fn nearest_scaled<S: Simd, T: Structure>(simd: S, structure: T, ray: Segment) -> Option<Hit> {
     let (ray, unit) = ray.scaled()?;

@@ -191,8 +191,9 @@ impl Nearest {
 ///
 /// The test's own t is off by 10⁻⁵ on slivers. The areas are computed again in f64; where they say that the ray passes
 /// outside, by less than the error of f32, the nearest point of the triangle's outline stands in. Then t is that of the
-/// point with these weights: t, u and v agree even where the ray grazes the triangle. By value, as what is referred to has to lie in
-/// memory.
+/// point with these weights: t, u and v agree even where the ray grazes the triangle.
+///
+/// Takes ray and candidate by value: a reference would keep them out of registers.
 #[cold]
 fn refine(block: &TriangleBlock, ray: Ray, candidate: Nearest) -> Hit {
     let [x, y, z] = cyclic_axes(ray.direction.into());

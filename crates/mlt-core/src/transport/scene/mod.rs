@@ -266,10 +266,12 @@ impl Scene {
     /// The vertex of a hit; `None`: there is no such triangle.
     #[inline(always)]
     fn vertex(&self, hit: &Hit, ray: &Ray) -> Option<Vertex> {
-        let Some((mut vertex, weights)) = self.triangles.vertex(&self.materials, hit, ray) else {
+        let Some(p) = self.triangles.primitive(hit) else {
+            // Taken apart: what a call returns as a whole stays in memory.
             let vertex = self.vertex_of_copy(*hit, *ray)?;
             return Some(vertex);
         };
+        let (mut vertex, weights) = self.triangles.vertex(p, &self.materials, hit, ray);
         if self.needs.normal_maps {
             vertex.shading_normal = self.bent_normal(vertex, weights);
         }

@@ -42,17 +42,22 @@ impl Triangles {
         self.ties.overlaps()
     }
 
-    /// The vertex of a hit, and the barycentric weights of its triangle's second and third corner there; `None`: there is no such
-    /// triangle.
+    /// The triangle of a hit; `None`: it is none of these.
     #[inline(always)]
-    pub(super) fn vertex(&self, materials: &[Material], hit: &Hit, ray: &Ray) -> Option<(Vertex, [f32; 2])> {
-        let p = self.primitives.get(hit.primitive as usize)?;
+    pub(super) fn primitive(&self, hit: &Hit) -> Option<&Primitive> {
+        self.primitives.get(hit.primitive as usize)
+    }
+
+    /// The vertex of a hit on a triangle, and the barycentric weights of the second and third corner there of the triangle that it is
+    /// on.
+    #[inline(always)]
+    pub(super) fn vertex(&self, p: &Primitive, materials: &[Material], hit: &Hit, ray: &Ray) -> (Vertex, [f32; 2]) {
         if p.coarse | p.shared
             && let Some(apart) = self.vertex_apart(materials, *hit, *ray)
         {
-            return Some(apart);
+            return apart;
         }
-        Some((self.interpolated(p, hit), [hit.u, hit.v]))
+        (self.interpolated(p, hit), [hit.u, hit.v])
     }
 
     /// The vertex of a hit on a triangle that is coarse or shares its place; `None`: that of any other hit. By value: what a call

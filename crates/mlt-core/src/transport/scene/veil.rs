@@ -47,6 +47,7 @@ impl Scene {
     /// The same from a point that is on no surface.
     #[inline(always)]
     pub(crate) fn follow_ray(&self, origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
+        // Taken apart: what a call returns as a whole stays in memory.
         let (vertex, passed) = match self.needs.veils {
             false => (self.first_vertex(origin, direction)?, 1.0),
             true => self.follow_through_veils(origin, direction, rng)?,
@@ -64,6 +65,7 @@ impl Scene {
         Some(vertex)
     }
 
+    /// [`follow_ray`](Self::follow_ray) where surfaces may not be opaque.
     #[inline(never)]
     fn follow_through_veils(&self, mut origin: Vec3A, direction: Vec3A, rng: &mut impl Rng) -> Option<(Vertex, f32)> {
         let mut passed = 1.0;

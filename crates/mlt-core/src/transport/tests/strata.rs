@@ -110,9 +110,7 @@ fn surface_point(scene: &Scene, light: usize, area: f64, rng: &mut crate::engine
         &Shape::Area(Area::Parallelogram { origin, edges: [e, f], primitives: [first, second] }) => {
             vec![(first, [origin, origin + e, origin + f]), (second, [origin + e + f, origin + f, origin + e])]
         }
-        Shape::Area(Area::Triangles(triangles)) => {
-            triangles.primitives.iter().copied().zip(triangles.vertices.iter().copied()).collect()
-        }
+        Shape::Area(Area::Even(even)) => even.primitives.iter().copied().zip(even.vertices.iter().copied()).collect(),
         _ => Vec::new(),
     };
     let mut remaining = uniform(rng) * area;

@@ -152,8 +152,8 @@ impl PathTracer<'_> {
         }
     }
 
-    /// Emission met by a step to x, weighed against having drawn that point on the light. By value, as what is referred to has to lie in
-    /// memory.
+    /// Emission met by a step to x, weighed against having drawn that point on the light. Takes vertices by value: references would keep
+    /// them out of registers.
     fn emitted(&self, [from, x]: [Vertex; 2], to_eye: Vec3A, pdf: Option<f32>) -> Rgb {
         let scene = self.view.scene;
         let emitted = scene.emitted(&x, to_eye);

@@ -94,7 +94,8 @@ impl Scene {
         let (first, placement) = (hit.primitive - instance.triangle, instance.placement);
         let in_shape = Hit { primitive: instance.triangle, ..hit };
         let triangles = &self.shapes[instance.shape].triangles;
-        let (vertex, weights) = triangles.vertex(&self.materials, &in_shape, &placement.ray(&ray))?;
+        let p = triangles.primitive(&in_shape)?;
+        let (vertex, weights) = triangles.vertex(p, &self.materials, &in_shape, &placement.ray(&ray));
         let corner_normals = triangles.normals(vertex.primitive);
         // No copy emits, and only of lights is it asked later what else is in their place.
         let mut vertex = Vertex { primitive: first + vertex.primitive, shared: false, ..placement.vertex(vertex) };

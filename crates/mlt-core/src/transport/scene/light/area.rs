@@ -1,6 +1,6 @@
 //! Surfaces that emit, each with a map from the unit square in proportion to power.
 
-use super::triangles::Triangles;
+use super::even::Even;
 use super::uneven::Uneven;
 use super::{Light, Piece, Shape};
 use crate::transport::colour::Rgb;
@@ -12,7 +12,7 @@ pub(crate) enum Area {
     /// (u, v) ↦ origin + u·edges[0] + v·edges[1]; on the first of two triangles where u + v ≤ 1.
     Parallelogram { origin: Vec3, edges: [Vec3; 2], primitives: [u32; 2] },
     /// u runs through the triangles in proportion to their areas.
-    Triangles(Box<Triangles>),
+    Even(Box<Even>),
     /// u runs through parts of the triangles in proportion to their power.
     Uneven(Box<Uneven>),
 }
@@ -25,8 +25,8 @@ impl Light {
 
     /// A light of triangles; `None` if their area is zero.
     pub(crate) fn triangles(list: impl Iterator<Item = (u32, [Vec3; 3])>) -> Option<Self> {
-        let (triangles, area) = Triangles::new(list)?;
-        Some(Self::surface(area, Area::Triangles(Box::new(triangles))))
+        let (even, area) = Even::new(list)?;
+        Some(Self::surface(area, Area::Even(Box::new(even))))
     }
 
     fn surface(area: f64, shape: Area) -> Self {
@@ -44,7 +44,7 @@ impl Area {
                 let corners = [at(low.x, low.y), at(high.x, low.y), at(low.x, high.y), at(high.x, high.y)];
                 (0, vec![Piece::new([low, high], &corners)])
             }
-            Self::Triangles(triangles) => triangles.pieces(low, high),
+            Self::Even(even) => even.pieces(low, high),
             Self::Uneven(uneven) => uneven.pieces(low, high),
         }
     }
@@ -53,7 +53,7 @@ impl Area {
     pub(super) fn sides(&self) -> DVec2 {
         match self {
             Self::Parallelogram { edges, .. } => DVec2::from_array(edges.map(|e| f64::from(e.length()))),
-            Self::Triangles(_) | Self::Uneven(_) => DVec2::X,
+            Self::Even(_) | Self::Uneven(_) => DVec2::X,
         }
     }
 
@@ -62,7 +62,7 @@ impl Area {
     pub(super) fn grid(&self, size: [u32; 2]) -> [u32; 2] {
         match self {
             Self::Parallelogram { .. } => size,
-            Self::Triangles(_) | Self::Uneven(_) => [size[0] * size[1], 1],
+            Self::Even(_) | Self::Uneven(_) => [size[0] * size[1], 1],
         }
     }
 
@@ -70,7 +70,7 @@ impl Area {
     pub(super) fn centre(&self) -> Vec3 {
         match self {
             Self::Parallelogram { origin, edges: [e, f], .. } => *origin + 0.5 * (*e + *f),
-            Self::Triangles(triangles) => triangles.centre(),
+            Self::Even(even) => even.centre(),
             Self::Uneven(uneven) => uneven.centre(),
         }
     }
@@ -82,7 +82,7 @@ impl Area {
             Self::Parallelogram { origin, edges, primitives } => {
                 (primitives[usize::from(u + v > 1.0)], *origin + u as f32 * edges[0] + v as f32 * edges[1])
             }
-            Self::Triangles(triangles) => triangles.at(u, v),
+            Self::Even(even) => even.at(u, v),
             Self::Uneven(uneven) => uneven.at(u, v),
         }
     }
@@ -91,7 +91,7 @@ impl Area {
     pub(super) fn coordinates(&self, index: u32, position: Vec3) -> (f64, f64) {
         match self {
             Self::Parallelogram { origin, edges: [e, f], .. } => weights(position - *origin, *e, *f),
-            Self::Triangles(triangles) => triangles.coordinates(index, position),
+            Self::Even(even) => even.coordinates(index, position),
             Self::Uneven(uneven) => uneven.coordinates(index, position),
         }
     }

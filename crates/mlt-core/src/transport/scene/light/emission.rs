@@ -27,6 +27,7 @@ impl Scene {
         (light, vertex)
     }
 
+    /// The vertex at a point of a surface that emits.
     #[inline(always)]
     fn point_on_surface(&self, area: &Area, point: &LightPoint) -> Vertex {
         let (primitive, position) = area.at(point.u, point.v);

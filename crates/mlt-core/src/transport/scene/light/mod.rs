@@ -9,10 +9,10 @@ mod area;
 mod cone;
 mod emission;
 mod environment;
+mod even;
 mod piece;
 mod punctual;
 mod sun;
-mod triangles;
 mod uneven;
 
 use super::material::Material;

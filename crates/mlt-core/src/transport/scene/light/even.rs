@@ -6,7 +6,7 @@ use glam::{DVec2, Vec3};
 
 /// u runs through the triangles in proportion to their areas.
 #[derive(Clone, Debug)]
-pub(crate) struct Triangles {
+pub(crate) struct Even {
     /// Their numbers in the scene.
     pub(crate) primitives: Vec<u32>,
     pub(crate) vertices: Vec<[Vec3; 3]>,
@@ -14,7 +14,7 @@ pub(crate) struct Triangles {
     cumulative: Vec<f64>,
 }
 
-impl Triangles {
+impl Even {
     /// Those of a list that have an area, and its sum; `None` if that is zero.
     pub(super) fn new(list: impl Iterator<Item = (u32, [Vec3; 3])>) -> Option<(Self, f64)> {
         let (mut primitives, mut vertices, mut cumulative, mut area) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
