@@ -96,13 +96,9 @@ impl Scene {
         let triangles = &self.shapes[instance.shape].triangles;
         let p = triangles.primitive(&in_shape)?;
         let (vertex, weights) = triangles.vertex(p, &self.materials, &in_shape, &placement.ray(&ray));
-        let corner_normals = triangles.normals(vertex.primitive);
         // No copy emits, and only of lights is it asked later what else is in their place.
         let mut vertex = Vertex { primitive: first + vertex.primitive, shared: false, ..placement.vertex(vertex) };
-        if let Some(normals) = corner_normals {
-            let smooth = mix(normals.map(|n| placement.normal(n.into())), weights);
-            vertex.shading_normal = on_side_of(vertex.geometric_normal, smooth);
-        }
+        vertex.shading_normal = self.smooth_normal(&vertex, weights);
         if self.needs.normal_maps {
             vertex.shading_normal = self.bent_normal(vertex, weights);
         }
