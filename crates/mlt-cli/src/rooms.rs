@@ -10,7 +10,7 @@ use std::{
 const FLOORS: [&[&str]; 9] = [
     &["farm", "verify"],
     &["bench"],
-    &["merge", "info"],
+    &["merge", "info", "inspect"],
     &["render", "diff", "tools"],
     &["report"],
     &["args"],

@@ -25,9 +25,10 @@ impl fmt::Display for Inspection {
         }
         self.write_cameras(f)?;
         write!(f, "Lights\n{}\nFeatures (what a scene lacks costs nothing)\n", self.lights)?;
+        let widest = self.features.iter().map(|feature| feature.name.chars().count()).max().unwrap_or(0);
         for feature in &self.features {
             let has = if feature.present { "has" } else { "no " };
-            writeln!(f, "  {has} {:<24} {}", feature.name, feature.therefore)?;
+            writeln!(f, "  {has} {:<widest$}  {}", feature.name, feature.therefore)?;
         }
         let [width, height] = self.size;
         write!(f, "\nMemory at {width}x{height}\n{}\n", self.memory)?;
