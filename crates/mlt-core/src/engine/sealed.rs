@@ -28,9 +28,9 @@ pub fn unsealed<T>(
 ) -> Result<T, DecodeError> {
     let rest = bytes.strip_prefix(&magic).ok_or(DecodeError::Foreign)?;
     let (found, rest) = rest.split_first_chunk().ok_or(DecodeError::Damaged)?;
-    match u32::from_le_bytes(*found) {
-        found if found != version => return Err(DecodeError::Version(found)),
-        _ => {}
+    let found = u32::from_le_bytes(*found);
+    if found != version {
+        return Err(DecodeError::Version(found));
     }
     let (inside, sum) = rest.split_last_chunk().ok_or(DecodeError::Damaged)?;
     if checksum(&bytes[..bytes.len() - sum.len()]) != *sum {
