@@ -195,8 +195,8 @@ mod tests {
         for (part, count) in [
             ("class=\"band m", 2),
             ("class=\"median m", 2),
-            ("class=\"point m", 2),
-            ("class=\"point missed m", 2),
+            ("class=\"point m0", 1),
+            ("class=\"point missed m0", 1),
             ("class=\"floor\"", 1),
         ] {
             assert_eq!(svg.matches(part).count(), count, "{part}");
