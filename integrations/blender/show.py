@@ -26,15 +26,17 @@ def image(context, path, packed):
 
 def editor(context):
     """An image editor that is open, or the one that Blender shows renders in."""
-    find = lambda: (area for window in context.window_manager.windows for area in window.screen.areas if area.type == "IMAGE_EDITOR")
-    if next(find(), None) is None:
+    if not areas(context, "IMAGE_EDITOR"):
         bpy.ops.render.view_show("INVOKE_DEFAULT")
-    return next(find()).spaces.active
+    return areas(context, "IMAGE_EDITOR")[0].spaces.active
 
 
 def redraw(context):
     """Draws the panels again that show how far a render is."""
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "PROPERTIES":
-                area.tag_redraw()
+    for area in areas(context, "PROPERTIES"):
+        area.tag_redraw()
+
+
+def areas(context, kind):
+    """All areas of a kind, in all windows."""
+    return [area for window in context.window_manager.windows for area in window.screen.areas if area.type == kind]

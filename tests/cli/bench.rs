@@ -83,16 +83,38 @@ fn every_run_is_a_row_in_each_file() {
 
 #[test]
 fn the_same_study_makes_the_same_report() {
-    let folder = folder();
-    made(&folder, &format!("{SMALL} --threads 1 -q -o first"));
-    made(&folder, &format!("{SMALL} --threads 3 -q -o second"));
-    let first = text(&folder, "first/report.html");
-    assert_eq!(first, text(&folder, "second/report.html"));
-    assert!(!first.contains("seconds") && !first.contains("Threads"), "a count budget's report tells of time");
+    let (one, other) = (folder(), folder());
+    let report = |folder: &TempDir, line: &str| {
+        made(folder, line);
+        text(folder, "out/report.html")
+    };
+    let line = format!("{SMALL} --threads 1 -q -o out");
+    let first = report(&one, &line);
+    assert_eq!(first, report(&other, &line));
+    assert!(!first.contains("seconds"), "a count budget's report tells of time");
+    assert!(first.contains(&format!("<dd>mlt {line}</dd>")), "the report does not tell its command");
+
+    // The results do not depend on the number of threads, which is told.
+    made(&other, &line.replace("--threads 1", "--threads 3").replace("-o out", "-o more"));
+    let errors = |folder, name| rows(folder, name).iter().map(|row| row["rel_mse"].clone()).collect::<Vec<_>>();
+    assert_eq!(errors(&one, "out/results.json"), errors(&other, "more/results.json"));
+    assert!(first.contains("<dt>Threads</dt><dd>1</dd>"));
+    assert!(text(&other, "more/report.html").contains("<dt>Threads</dt><dd>3</dd>"));
 
     // The negative control: another seed more is another report.
-    made(&folder, &format!("{SMALL} -q -o first").replace("--seeds 2", "--seeds 3"));
-    assert_ne!(first, text(&folder, "first/report.html"));
+    assert_ne!(first, report(&one, &line.replace("--seeds 2", "--seeds 3")));
+}
+
+#[test]
+fn the_report_begins_with_who_is_ahead() {
+    let folder = folder();
+    made(&folder, &format!("{} --threads 1 -q -o out", SMALL.replace("--seeds 2", "--seeds 4")));
+    let report = text(&folder, "out/report.html");
+    let [lead, scene] = ["<h2>Least error</h2>", "<h2>cornell</h2>"].map(|part| report.find(part).expect(part));
+    assert!(lead < scene);
+    assert!(["<td>ahead</td>", "<td>not decided</td>"].iter().any(|verdict| report[lead..scene].contains(verdict)));
+    // Two budgets make no slope, and so the lines' ends have none.
+    assert!(report.contains(">pt</text>"));
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! The report of `mlt bench` in a real browser: charts are there, the swipe moves, the console stays empty.
+//! The report of `mlt bench` in a real browser, as wide as a desk's and as a phone's, light and dark: charts are there, the swipe moves,
+//! nothing is wider than the page, the console stays empty.
 //!
 //! Needs Chromium in PATH, as Debian's package `chromium`; without one it says so and tests nothing.
 
@@ -10,7 +11,7 @@ use std::{
 
 use tempfile::TempDir;
 
-/// Added to a copy of the page: uses it as a reader would and writes what happened into the document.
+/// Added to a copy of the page: uses it as a reader would and tells the page around it what happened.
 const READER: &str = r##"<script>
 addEventListener("load", () => {
   const found = [];
@@ -33,10 +34,17 @@ addEventListener("load", () => {
   left.selectedIndex = 0;
   left.dispatchEvent(new Event("change"));
   say("chosen", over.src !== source && over.src === document.querySelector(".picture").src);
-  say("wide", document.documentElement.scrollWidth <= innerWidth);
-  const node = document.createElement("pre");
-  node.textContent = `READER ${found.join(" ")} END`;
-  document.body.append(node);
+  say("fits", document.documentElement.scrollWidth <= innerWidth);
+  const tables = [...document.querySelectorAll(".scroll")];
+  say("tables", tables.length > 3 && tables.every((table) => table.clientWidth <= innerWidth));
+  const brightness = (colour) => colour.match(/[\d.]+/g).slice(0, 3).reduce((sum, part) => sum + Number(part), 0) / 765;
+  const page = brightness(getComputedStyle(document.body).backgroundColor);
+  say("page", page > 0.9 ? "light" : page < 0.2 ? "dark" : page);
+  const legible = (selector, property) => [...document.querySelectorAll(selector)].every(
+    (part) => Math.abs(brightness(getComputedStyle(part)[property]) - page) > 0.25
+  );
+  say("legible", legible("p, td, th, dd, a", "color") && legible("svg text", "fill") && legible(".median", "stroke"));
+  parent.postMessage(`READER ${found.join(" ")} END`, "*");
 });
 </script>"##;
 
@@ -54,15 +62,24 @@ fn report(folder: &TempDir) -> String {
     fs::read_to_string(folder.path().join("out/report.html")).expect("the report")
 }
 
-/// Opens a page; its document after a while on standard output, its console on standard error.
-fn open(chromium: &Path, folder: &TempDir, page: &str) -> Output {
-    let path = folder.path().join("page.html");
-    fs::write(&path, page).expect("written");
+/// Shows a page in a frame of a width, since a browser's own window cannot be as narrow as a phone's.
+const FRAME: &str = r#"<!DOCTYPE html><body style="margin: 0"><iframe src="page.html" width="WIDTH" height="900" style="border: 0"></iframe>
+<script>addEventListener("message", (event) => document.body.append(event.data));</script>"#;
+
+/// Opens a page in a frame of this width; what it told on standard output, its console on standard error.
+fn open(chromium: &Path, folder: &TempDir, page: &str, width: u32, option: &str) -> Output {
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).expect("written");
+        path
+    };
+    file("page.html", page);
+    let frame = file("frame.html", &FRAME.replace("WIDTH", &width.to_string()));
     Command::new(chromium)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--enable-logging=stderr"])
-        .args(["--window-size=1280,900", "--virtual-time-budget=5000", "--dump-dom"])
+        .args(["--window-size=1280,900", "--virtual-time-budget=5000", "--dump-dom", option])
         .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
-        .arg(format!("file://{}", path.display()))
+        .arg(format!("file://{}", frame.display()))
         .output()
         .expect("Chromium starts")
 }
@@ -81,18 +98,22 @@ fn the_report_works_in_a_browser() {
     };
     let folder = tempfile::tempdir().expect("a folder");
     let page = report(&folder);
-    let output = open(&chromium, &folder, &page.replace("</body>", &format!("{READER}</body>")));
-    let document = String::from_utf8_lossy(&output.stdout);
-    let found = document.split_once("<pre>READER ").and_then(|(_, rest)| rest.split_once(" END"));
-    let found = found
-        .map(|(found, _)| found)
-        .unwrap_or_else(|| panic!("the page did not load; Chromium says: {}", String::from_utf8_lossy(&output.stderr)));
-    assert_eq!(found, "charts=3 drawn=true images=true moved=true choices=true chosen=true wide=true");
-    assert_eq!(console(&output), Vec::<String>::new());
+    let read = page.replace("</body>", &format!("{READER}</body>"));
+    for (width, option, shade) in [(1280, "--mute-audio", "light"), (400, "--force-dark-mode", "dark")] {
+        let output = open(&chromium, &folder, &read, width, option);
+        let document = String::from_utf8_lossy(&output.stdout);
+        let found =
+            document.split_once("READER ").and_then(|(_, rest)| rest.split_once(" END")).map(|(found, _)| found);
+        let expected = format!(
+            "charts=3 drawn=true images=true moved=true choices=true chosen=true fits=true tables=true page={shade} legible=true"
+        );
+        assert_eq!(found, Some(&*expected), "Chromium says: {}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(console(&output), Vec::<String>::new());
+    }
 
     // The negative control: an error on the page is seen, and so is an address that the page may not load.
     let broken = page.replace("</body>", "<script>missing();</script><img src=\"http://localhost:9/a.png\"></body>");
-    let errors = console(&open(&chromium, &folder, &broken)).join("\n");
+    let errors = console(&open(&chromium, &folder, &broken, 1280, "--mute-audio")).join("\n");
     assert!(errors.contains("missing is not defined") && errors.contains("Content Security Policy"), "{errors}");
 }
 

@@ -76,6 +76,17 @@ fn control_group_rest() -> Option<u64> {
     Some(read("memory.max")?.saturating_sub(read("memory.current")?.saturating_sub(reclaimable)))
 }
 
+/// The processor's name if the system says it, the number of processors, the system.
+pub(crate) fn machine() -> String {
+    let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name =
+        text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':')).map(|(_, name)| name.trim());
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let processors = if processors == 1 { "1 processor".to_owned() } else { format!("{processors} processors") };
+    let system = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+    name.into_iter().chain([&*processors, &*system]).collect::<Vec<_>>().join(", ")
+}
+
 /// Processor time of all threads of this process so far, seconds; `None` where the system does not say.
 pub fn cpu_seconds() -> Option<f64> {
     #[cfg(unix)]

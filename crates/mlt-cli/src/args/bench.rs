@@ -19,8 +19,8 @@ use super::{
 The folder gets report.html (one file, for a browser), results.csv and results.json (a row a run), images/ and runs.jsonl.
 The last is written after each run: the same command goes on where an earlier one stopped. Delete the folder after a change
 to a scene or to the program.
-With budgets in mutations or rays, the same command makes the same report.html, bit for bit; with budgets in seconds it
-charts speed.")]
+With budgets in mutations or rays, the same command makes the same report.html on one machine, bit for bit; with budgets in
+seconds it charts speed.")]
 pub struct BenchOptions {
     /// glTF or OBJ files, or names of built-in scenes
     #[arg(value_name = "SCENE")]
@@ -122,15 +122,21 @@ impl Budget {
     }
 }
 
-/// How far a run may end from its time to stand for it, as a share.
+/// How far a run may end from its budget to stand for it, as a share.
 const NEAR: f64 = 0.05;
 
 impl Budget {
-    /// How much longer, as a share, a run of so many seconds took than it was given; `None` if that is near enough, and where time
-    /// is not what it was given.
-    pub fn missed_by(&self, seconds: f64) -> Option<f64> {
-        let Self::Time(time) = self else { return None };
-        let beyond = seconds / time.as_secs_f64() - 1.0;
+    /// How much more, as a share, a run spent than it was given; `None` if that is near enough, and where work is counted, which each
+    /// method does in its own way.
+    ///
+    /// `seconds`, `rays`: what it spent, of rays per pixel.
+    pub fn missed_by(&self, seconds: f64, rays: f64) -> Option<f64> {
+        let spent = match self {
+            Self::Time(_) => seconds,
+            Self::Rays(_) => rays,
+            Self::PerPixel(_) => return None,
+        };
+        let beyond = spent / self.amount() - 1.0;
         (beyond.abs() > NEAR).then_some(beyond)
     }
 }
@@ -151,11 +157,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn runs_off_their_time_are_told() {
-        let budget = Budget::Time(Duration::from_secs(2));
-        assert_eq!([1.91, 2.0, 2.09].map(|seconds| budget.missed_by(seconds)), [None; 3]);
-        assert_eq!(budget.missed_by(3.0), Some(0.5));
-        assert_eq!(budget.missed_by(1.0), Some(-0.5));
-        assert_eq!(Budget::Rays(2.0).missed_by(3.0), None);
+    fn runs_off_their_budget_are_told() {
+        let time = Budget::Time(Duration::from_secs(2));
+        assert_eq!([1.91, 2.0, 2.09].map(|seconds| time.missed_by(seconds, 7.0)), [None; 3]);
+        assert_eq!(time.missed_by(3.0, 2.0), Some(0.5));
+        assert_eq!(time.missed_by(1.0, 2.0), Some(-0.5));
+        assert_eq!(Budget::Rays(2.0).missed_by(9.0, 3.0), Some(0.5));
+        assert_eq!(Budget::PerPixel(2.0).missed_by(9.0, 3.0), None);
     }
 }

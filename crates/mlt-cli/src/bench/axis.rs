@@ -18,7 +18,7 @@ impl Axis {
     pub(super) fn of(self, row: &Row) -> f64 {
         match self {
             Self::Seconds => row.seconds,
-            Self::Rays => row.rays as f64 / (row.key.width * row.key.height) as f64,
+            Self::Rays => row.rays_per_pixel(),
             Self::Work => row.per_pixel(),
         }
     }

@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::report::{StratumReport, finite};
+use crate::{
+    args::bench::Budget,
+    report::{StratumReport, finite},
+};
 
 /// Key of a run; two runs with the same key need not both be made.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -102,6 +105,16 @@ impl Row {
     pub(super) fn per_pixel(&self) -> f64 {
         let work = if self.mutations > 0 { self.mutations } else { self.samples };
         work as f64 / (self.key.width * self.key.height) as f64
+    }
+
+    /// Rays per pixel.
+    pub(super) fn rays_per_pixel(&self) -> f64 {
+        self.rays as f64 / (self.key.width * self.key.height) as f64
+    }
+
+    /// How much more than its budget it spent, as a share, if that is not near it.
+    pub(super) fn missed(&self, budget: &Budget) -> Option<f64> {
+        budget.missed_by(self.seconds, self.rays_per_pixel())
     }
 }
 

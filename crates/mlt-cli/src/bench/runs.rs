@@ -43,10 +43,10 @@ impl Ready<'_> {
             let left = start.elapsed().as_secs_f64() / made as f64 * (missing.len() - made) as f64;
             let row = journal.find(&self.key(run)).context("the run is not in the journal")?;
             let (method, budget) = (&row.key.method, &row.key.budget);
-            let off_time = self.study.budgets[run.budget].missed_by(row.seconds);
-            let off_time = off_time.map_or_else(String::new, |beyond| format!(" ({:+.0} %)", 100.0 * beyond));
+            let missed = row.missed(&self.study.budgets[run.budget]);
+            let missed = missed.map_or_else(String::new, |beyond| format!(" ({:+.0} %)", 100.0 * beyond));
             self.say(&format!(
-                "[{}/{total}] {}: {method}, {budget}, seed {}: relMSE {:.3e} in {:.1} s{off_time}; {:.0} s left",
+                "[{}/{total}] {}: {method}, {budget}, seed {}: relMSE {:.3e} in {:.1} s{missed}; {:.0} s left",
                 total - missing.len() + made,
                 row.key.scene,
                 run.seed,

@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use super::{
-    colour, escaped,
+    class, escaped,
     scale::{LogScale, significant, tick},
 };
 
-const WIDTH: f64 = 560.0;
-const HEIGHT: f64 = 330.0;
+const WIDTH: f64 = 460.0;
+const HEIGHT: f64 = 300.0;
 const LEFT: f64 = 58.0;
 const TOP: f64 = 14.0;
 const BOTTOM: f64 = 44.0;
@@ -23,8 +23,18 @@ pub(crate) struct Line {
     pub method: usize,
     /// Written at its end.
     pub name: String,
-    /// Abscissa, and smallest, median and largest ordinate over the seeds; all above zero.
-    pub points: Vec<(f64, [f64; 3])>,
+    /// Rising.
+    pub points: Vec<Point>,
+}
+
+/// A point of a line, of one budget.
+pub(crate) struct Point {
+    /// Abscissa, above zero.
+    pub at: f64,
+    /// Smallest, median and largest ordinate over the seeds, above zero.
+    pub levels: [f64; 3],
+    /// Whether its budget was missed; then it is drawn hollow.
+    pub missed: bool,
 }
 
 /// The chart. `floor`: a level to mark, with its name.
@@ -32,11 +42,11 @@ pub(crate) fn curves(lines: &[Line], x_name: &str, y_name: &str, floor: Option<(
     let longest = lines.iter().map(|line| line.name.chars().count()).max().unwrap_or(0) as f64;
     let right = WIDTH - (longest * LETTER + 22.0).clamp(60.0, 0.45 * WIDTH);
     let points = || lines.iter().flat_map(|line| &line.points);
-    let x = LogScale::new(points().map(|point| point.0), LEFT, right);
+    let x = LogScale::new(points().map(|point| point.at), LEFT, right);
     // A floor far below all lines would squeeze them together.
-    let lowest = points().map(|point| point.1[0]).fold(f64::INFINITY, f64::min);
+    let lowest = points().map(|point| point.levels[0]).fold(f64::INFINITY, f64::min);
     let floor = floor.filter(|(level, _)| *level > 0.2 * lowest);
-    let levels = points().flat_map(|point| point.1).chain(floor.map(|floor| floor.0));
+    let levels = points().flat_map(|point| point.levels).chain(floor.map(|floor| floor.0));
     let y = LogScale::new(levels, HEIGHT - BOTTOM, TOP);
     let mut svg = format!(
         "<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{} over {}\">\n",
@@ -99,43 +109,44 @@ fn band(svg: &mut String, line: &Line, x: &LogScale, y: &LogScale) {
     if line.points.len() < 2 {
         return;
     }
-    let edge = |which: usize| line.points.iter().map(move |(at, levels)| (x.at(*at), y.at(levels[which])));
+    let edge = |which: usize| line.points.iter().map(move |point| (x.at(point.at), y.at(point.levels[which])));
     let outline = path(edge(0).chain(edge(2).collect::<Vec<_>>().into_iter().rev()));
-    let _ = writeln!(svg, "<path class=\"band\" fill=\"{}\" d=\"{outline}Z\"/>", colour(line.method));
+    let _ = writeln!(svg, "<path class=\"band {}\" d=\"{outline}Z\"/>", class(line.method));
 }
 
 fn stroke(svg: &mut String, line: &Line, x: &LogScale, y: &LogScale, [x_name, y_name]: [&str; 2]) {
-    let colour = colour(line.method);
-    let medians = line.points.iter().map(|(at, levels)| (x.at(*at), y.at(levels[1])));
+    let class = class(line.method);
+    let medians = line.points.iter().map(|point| (x.at(point.at), y.at(point.levels[1])));
     if line.points.len() > 1 {
-        let _ = writeln!(svg, "<path class=\"median\" stroke=\"{colour}\" d=\"{}\"/>", path(medians.clone()));
+        let _ = writeln!(svg, "<path class=\"median {class}\" d=\"{}\"/>", path(medians.clone()));
     }
-    for ((at, levels), (cx, cy)) in line.points.iter().zip(medians) {
-        let [low, middle, high] = levels.map(significant);
-        let (name, here) = (escaped(&line.name), significant(*at));
+    for (point, (cx, cy)) in line.points.iter().zip(medians) {
+        let [low, middle, high] = point.levels.map(significant);
+        let (name, here) = (escaped(&line.name), significant(point.at));
         if line.points.len() == 1 {
-            let (top, bottom) = (y.at(levels[2]), y.at(levels[0]));
-            let _ = writeln!(svg, "<path class=\"range\" stroke=\"{colour}\" d=\"M{cx:.1} {top:.1}V{bottom:.1}\"/>");
+            let (top, bottom) = (y.at(point.levels[2]), y.at(point.levels[0]));
+            let _ = writeln!(svg, "<path class=\"range {class}\" d=\"M{cx:.1} {top:.1}V{bottom:.1}\"/>");
         }
+        let (hollow, missed) = if point.missed { (" missed", "; budget missed") } else { ("", "") };
         let _ = writeln!(
             svg,
-            "<circle cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"3\" fill=\"{colour}\"><title>{name}: {y_name} {middle} ({low} to {high}) \
-             at {here} {x_name}</title></circle>"
+            "<circle class=\"point{hollow} {class}\" cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"3\"><title>{name}: {y_name} {middle} \
+             ({low} to {high}) at {here} {x_name}{missed}</title></circle>"
         );
     }
 }
 
 /// Names at the ends of the lines, moved apart where they would cover each other.
 fn labels(svg: &mut String, lines: &[Line], x: &LogScale, y: &LogScale, right: f64) {
-    let end = |line: &Line| line.points.last().map(|(at, levels)| (x.at(*at), y.at(levels[1])));
+    let end = |line: &Line| line.points.last().map(|point| (x.at(point.at), y.at(point.levels[1])));
     let mut ends: Vec<_> = lines.iter().filter_map(|line| end(line).map(|(x, y)| (y, x, line))).collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let wanted: Vec<f64> = ends.iter().map(|end| end.0).collect();
     for ((y_end, x_end, line), at) in ends.iter().zip(spread(&wanted, TOP + 4.0, HEIGHT - BOTTOM)) {
-        let colour = colour(line.method);
+        let class = class(line.method);
         let _ = writeln!(
             svg,
-            "<path class=\"leader\" stroke=\"{colour}\" d=\"M{:.1} {y_end:.1}L{:.1} {at:.1}H{:.1}\"/>",
+            "<path class=\"leader {class}\" d=\"M{:.1} {y_end:.1}L{:.1} {at:.1}H{:.1}\"/>",
             x_end + 4.0,
             right + 6.0,
             right + 11.0
@@ -174,17 +185,24 @@ mod tests {
 
     #[test]
     fn every_line_has_a_band_a_median_and_a_label() {
+        let point = |at, level: f64| Point { at, levels: [level * 0.9, level, level * 1.1], missed: at > 5.0 };
         let line = |method, level: f64| Line {
             method,
             name: format!("<{method}>"),
-            points: vec![(1.0, [level * 0.9, level, level * 1.1]), (10.0, [level * 0.09, level * 0.1, level * 0.11])],
+            points: vec![point(1.0, level), point(10.0, level * 0.1)],
         };
         let svg = curves(&[line(0, 1.0), line(1, 2.0)], "seconds", "relMSE", Some((0.05, "reference")));
-        for (part, count) in [("class=\"band\"", 2), ("class=\"median\"", 2), ("<circle", 4), ("class=\"floor\"", 1)] {
+        for (part, count) in [
+            ("class=\"band m", 2),
+            ("class=\"median m", 2),
+            ("class=\"point m0", 1),
+            ("class=\"point missed m0", 1),
+            ("class=\"floor\"", 1),
+        ] {
             assert_eq!(svg.matches(part).count(), count, "{part}");
         }
         assert!(svg.contains(">&lt;1&gt;</text>") && !svg.contains("NaN"));
-        let lonely = curves(&[Line { points: vec![(1.0, [1.0; 3])], ..line(0, 1.0) }], "x", "y", None);
-        assert!(lonely.contains("class=\"range\"") && !lonely.contains("NaN"));
+        let lonely = curves(&[Line { points: vec![point(1.0, 1.0)], ..line(0, 1.0) }], "x", "y", None);
+        assert!(lonely.contains("class=\"range m0\"") && !lonely.contains("NaN"));
     }
 }

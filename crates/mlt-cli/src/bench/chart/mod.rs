@@ -4,18 +4,16 @@ mod curves;
 mod scale;
 mod strata;
 
-pub(super) use curves::{Line, curves};
+pub(super) use curves::{Line, Point, curves};
 pub(super) use scale::significant;
 pub(super) use strata::strata;
 
-/// Colours that people with any colour vision can tell apart, each dark enough for a thin line on white; then again.
-///
-/// Source: [OkabeIto08], the two light ones darkened.
-pub(super) const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#b5538f", "#b87f00", "#3a93c7", "#333333"];
+/// Classes of the style sheet that colour what belongs to a method; then again.
+const CLASSES: [&str; 7] = ["m0", "m1", "m2", "m3", "m4", "m5", "m6"];
 
-/// The colour of a method.
-pub(super) fn colour(method: usize) -> &'static str {
-    COLOURS[method % COLOURS.len()]
+/// The class of a method.
+pub(super) fn class(method: usize) -> &'static str {
+    CLASSES[method % CLASSES.len()]
 }
 
 /// Text that can stand in SVG and HTML.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{colour, scale::significant};
+use super::{class, scale::significant};
 
 const WIDTH: f64 = 560.0;
 const HEIGHT: f64 = 150.0;
@@ -34,13 +34,13 @@ pub(crate) fn strata(strata: &[(f64, f64, f64)], method: usize) -> Option<String
         let (x, y) = (LEFT - 6.0, at + 4.0);
         let _ = writeln!(svg, "<text class=\"tick\" x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\">{label}</text>");
     }
-    let colour = colour(method);
+    let class = class(method);
     for (j, &(b_j, stderr, n_j)) in strata.iter().enumerate() {
         let (left, width) = (LEFT + j as f64 * step, 0.8 * step);
         let (high, height) = (y(b_j / b), bottom - y(b_j / b));
         let _ = writeln!(
             svg,
-            "<rect class=\"bar\" fill=\"{colour}\" x=\"{left:.2}\" y=\"{high:.1}\" width=\"{width:.2}\" height=\"{height:.1}\">\
+            "<rect class=\"bar {class}\" x=\"{left:.2}\" y=\"{high:.1}\" width=\"{width:.2}\" height=\"{height:.1}\">\
              <title>stratum {j}: b {} ± {}, n {}</title></rect>",
             significant(b_j),
             significant(stderr),
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn every_stratum_has_a_bar_and_a_share() {
         let svg = strata(&[(1.0, 0.1, 10.0), (0.0, 0.0, 0.0), (3.0, 0.2, 10.0)], 0).expect("not dark");
-        for part in ["class=\"bar\"", "class=\"whisker\"", "class=\"share\""] {
+        for part in ["class=\"bar m0\"", "class=\"whisker\"", "class=\"share\""] {
             assert_eq!(svg.matches(part).count(), 3, "{part}");
         }
         assert!(!svg.contains("NaN") && !svg.contains("inf"));

@@ -1,5 +1,7 @@
 //! The report: one page that holds everything it shows.
 
+mod facts;
+mod leads;
 mod tables;
 
 use anyhow::Context;
@@ -17,6 +19,7 @@ use super::{
     summary::{Curve, Point, curves, usual_target},
 };
 use crate::args::bench::{BenchOptions, Budget};
+use leads::Lead;
 use tables::{Line, RatioLine, acceptance, class, error_cells, interval, line, mutations, ratio_line, reach};
 
 #[derive(Template)]
@@ -24,6 +27,7 @@ use tables::{Line, RatioLine, acceptance, class, error_cells, interval, line, mu
 struct Page {
     version: &'static str,
     facts: Vec<(&'static str, String)>,
+    leads: Vec<Lead>,
     paper: Vec<PaperRow>,
     scenes: Vec<Scene>,
     map: String,
@@ -52,7 +56,7 @@ struct Scene {
     reference: String,
     budget: String,
     charts: Vec<String>,
-    off_time: Vec<String>,
+    missed: Vec<String>,
     errors: Vec<Line>,
     target: String,
     reach_columns: Vec<String>,
@@ -85,35 +89,28 @@ pub(super) fn html(
     paper: &[Comparison],
     options: &BenchOptions,
 ) -> anyhow::Result<String> {
-    let scenes = ready.subjects.iter().enumerate().map(|(index, (subject, reference))| {
-        let curves = curves(ready.study, rows, &subject.name);
-        if curves.is_empty() { Ok(None) } else { scene(ready, index, (subject, reference), &curves, options).map(Some) }
+    let known = ready.subjects.iter().enumerate().map(|(index, subject)| {
+        let curves = curves(ready.study, rows, &subject.0.name);
+        (index, subject, curves)
     });
+    let known: Vec<_> = known.filter(|(.., curves)| !curves.is_empty()).collect();
+    let scenes = known.iter().map(|(index, subject, curves)| scene(ready, *index, subject, curves, options));
     let page = Page {
         version: env!("CARGO_PKG_VERSION"),
-        facts: facts(ready, options),
+        facts: facts::facts(ready.study, options),
+        leads: known.iter().map(|(_, (subject, _), curves)| leads::lead(&subject.name, curves)).collect(),
         paper: paper.iter().map(paper_row).collect(),
-        scenes: scenes.filter_map(Result::transpose).collect::<anyhow::Result<_>>()?,
+        scenes: scenes.collect::<anyhow::Result<_>>()?,
         map: paint::map_css(),
         largest_error: significant(paint::LARGEST),
     };
     page.render().context("cannot make the report")
 }
 
-fn facts(ready: &Ready, options: &BenchOptions) -> Vec<(&'static str, String)> {
-    let budgets: Vec<String> = ready.study.budgets.iter().map(ToString::to_string).collect();
-    let mut facts = vec![("Budgets", budgets.join(", ")), ("Seeds", format!("1 to {}", ready.study.seeds))];
-    facts.extend(options.max_length.map(|edges| ("Longest path", format!("{edges} edges"))));
-    if !ready.study.repeats() {
-        facts.push(("Threads", rayon::current_num_threads().to_string()));
-    }
-    facts
-}
-
 fn scene(
     ready: &Ready,
     index: usize,
-    (subject, reference): (&Subject, &Reference),
+    (subject, reference): &(Subject, Reference),
     curves: &[Curve],
     options: &BenchOptions,
 ) -> anyhow::Result<Scene> {
@@ -127,7 +124,7 @@ fn scene(
         reference: describe(reference),
         budget: curves[0].last().rows[0].key.budget.clone(),
         charts: axes.iter().map(|axis| error_chart(curves, *axis, reference)).collect(),
-        off_time: off_time(ready, curves),
+        missed: missed(curves),
         errors: curves.iter().map(|curve| line(curve, error_cells(curve, axes[0]))).collect(),
         target: target.map_or_else(String::new, significant),
         reach_columns: compared.iter().map(|axis| axis.name().to_owned()).collect(),
@@ -148,39 +145,36 @@ fn describe(reference: &Reference) -> String {
 }
 
 fn error_chart(curves: &[Curve], axis: Axis, reference: &Reference) -> String {
-    let levels = |point: &Point| {
+    let drawn = |point: &Point| {
         let errors = point.errors();
         let low = errors.iter().copied().fold(f64::INFINITY, f64::min);
-        (
-            point.median(|row| axis.of(row)),
-            [low, median(&mut errors.clone()), errors.iter().copied().fold(0.0, f64::max)],
-        )
+        let high = errors.iter().copied().fold(0.0, f64::max);
+        chart::Point {
+            at: point.median(|row| axis.of(row)),
+            levels: [low, median(&mut errors.clone()), high],
+            missed: point.missed(),
+        }
     };
     let line = |curve: &Curve| {
         let slope = curve.slope(axis).map(|slope| format!("  {slope:.2}").replace('-', "−"));
         chart::Line {
             method: curve.method,
             name: curve.name.to_owned() + &slope.unwrap_or_default(),
-            points: curve.points.iter().map(levels).filter(|(x, errors)| *x > 0.0 && errors[0] > 0.0).collect(),
+            points: curve.points.iter().map(drawn).filter(|point| point.at > 0.0 && point.levels[0] > 0.0).collect(),
         }
     };
     let lines: Vec<_> = curves.iter().map(line).collect();
     chart::curves(&lines, axis.name(), "relMSE", reference.own_error.map(|own| (own, "noise of the reference")))
 }
 
-/// Runs that did not end at the time that they were given, in words.
-fn off_time(ready: &Ready, curves: &[Curve]) -> Vec<String> {
-    let of_budget = |budget: &Budget| {
-        let name = budget.to_string();
-        let points = curves.iter().flat_map(|curve| &curve.points);
-        let rows = points.flat_map(|point| &point.rows).filter(move |row| row.key.budget == name);
-        let told = |row: &&Row| {
-            let beyond = 100.0 * budget.missed_by(row.seconds)?;
-            Some(format!("{}, {budget}, seed {}: {:.2} s ({beyond:+.0} %)", row.key.method, row.key.seed, row.seconds))
-        };
-        rows.filter_map(told).collect::<Vec<_>>()
+/// Runs that did not end at their budget, in words.
+fn missed(curves: &[Curve]) -> Vec<String> {
+    let points = curves.iter().flat_map(|curve| &curve.points);
+    let told = |(budget, row): (&Budget, &Row)| {
+        let beyond = 100.0 * row.missed(budget)?;
+        Some(format!("{}, {budget}, seed {}: {beyond:+.0} %", row.key.method, row.key.seed))
     };
-    ready.study.budgets.iter().flat_map(of_budget).collect()
+    points.flat_map(|point| point.rows.iter().map(|row| (&point.budget, *row))).filter_map(told).collect()
 }
 
 /// b_j, its standard error in one run and n_j, means over the seeds; `None` for methods with a single stratum or none.

@@ -7,15 +7,15 @@ use super::super::{
     chart::{self, significant},
     row::Row,
     statistics::{self, Crossing, Estimate, Verdict, median},
-    summary::Curve,
+    summary::{Curve, Point},
 };
 
 /// A method and its figures.
 pub(super) struct Line {
     /// The method.
     pub name: String,
-    /// Its colour.
-    pub colour: &'static str,
+    /// The class that colours it.
+    pub method: &'static str,
     /// From left to right.
     pub cells: Vec<String>,
 }
@@ -24,8 +24,8 @@ pub(super) struct Line {
 pub(super) struct RatioLine {
     /// The method.
     pub name: String,
-    /// Its colour.
-    pub colour: &'static str,
+    /// The class that colours it.
+    pub method: &'static str,
     /// From left to right.
     pub cells: Vec<RatioCell>,
 }
@@ -42,21 +42,25 @@ pub(super) struct RatioCell {
 
 /// A line of a table.
 pub(super) fn line(curve: &Curve, cells: Vec<String>) -> Line {
-    Line { name: curve.name.to_owned(), colour: chart::colour(curve.method), cells }
+    Line { name: curve.name.to_owned(), method: chart::class(curve.method), cells }
+}
+
+/// A median over the seeds, with a mark where the budget was missed.
+pub(super) fn figure(point: &Point, figure: impl Fn(&Row) -> f64) -> String {
+    significant(point.median(figure)) + if point.missed() { " *" } else { "" }
 }
 
 /// Medians at the largest budget.
 pub(super) fn error_cells(curve: &Curve, axis: Axis) -> Vec<String> {
     let last = curve.last();
-    let median = |figure: fn(&Row) -> f64| significant(last.median(figure));
     let optional = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), significant);
     vec![
-        significant(last.median(|row| axis.of(row))),
-        median(|row| row.errors.rel_mse),
+        figure(last, |row| axis.of(row)),
+        significant(last.median(|row| row.errors.rel_mse)),
         optional(last.worst_over_median()),
         curve.slope(axis).map_or_else(|| "–".into(), |slope| format!("{slope:.2}").replace('-', "−")),
-        median(|row| row.errors.relative_diff),
-        median(|row| row.errors.mape),
+        significant(last.median(|row| row.errors.relative_diff)),
+        significant(last.median(|row| row.errors.mape)),
         optional(last.mean(|row| row.errors.flip.map(f64::from))),
         format!("{:.4}", last.median(|row| row.errors.mean_ratio)),
         last.rows.len().to_string(),
@@ -93,7 +97,7 @@ pub(super) fn ratio_line(curve: &Curve, curves: &[Curve]) -> RatioLine {
     };
     RatioLine {
         name: curve.name.to_owned(),
-        colour: chart::colour(curve.method),
+        method: chart::class(curve.method),
         cells: curves.iter().map(cell).collect(),
     }
 }
