@@ -5,7 +5,6 @@ use glam::{Vec2, Vec3A};
 
 /// A part of a surface's scattering that is not delta.
 #[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a lobe is made anew at each vertex, without allocation")]
 pub enum Lobe {
     /// Ideal diffuse reflection.
     Lambert(Lambert),
