@@ -31,7 +31,8 @@ fn a_scene_is_told_as_it_is_rendered() {
         "cornell: 32 triangles",
         "\n  a render takes \"camera\", the file's only one; pinhole",
         "\n  counted: 1 glowing surface\n",
-        "\n  no  textures                 materials are constants\n",
+        "\n  no  textures ",
+        "  materials are constants\n",
         "\nMemory at 64x48\n",
         "\nRender it:  mlt render cornell\n",
     ] {

@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn a_density_without_a_factor_is_seen() {
         for (name, world, batches) in
-            [("door", door(), 200_000), ("room", room(lambert(Rgb::splat(0.5)), true), 150_000)]
+            [("door", door(), 200_000), ("room", room(lambert(Rgb::splat(0.5)), true), 300_000)]
         {
             let found = imbalance(&world, Stratification::None, batches, |x, y, within, rng| {
                 propose::<Wrong<WithoutShare>>(&world, x, y, within, rng)
