@@ -3,17 +3,23 @@
 //! Source: [Mikkelsen08]; glTF asks for it.
 
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
-use glam::{DVec3, Vec2, Vec4};
+use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 use mlt_core::transport::geometry::Mesh;
 use std::collections::HashMap;
 
 /// Gives a smooth mesh tangents that follow a set of its texture coordinates. A vertex where they differ from triangle to triangle
 /// becomes several. A flat mesh has those of its triangles.
-pub(crate) fn add(mesh: &mut Mesh, set: usize) {
+///
+/// Tangents are those of the mesh as it is made, which `linear` has brought to the world: they are found there and brought to the world, too.
+pub(crate) fn add(mesh: &mut Mesh, set: usize, linear: DMat3) {
     if !mesh.tangents.is_empty() || mesh.uv[set].is_empty() || mesh.normals.is_empty() {
         return;
     }
-    let mut corners = Corners { mesh, set, tangents: vec![Vec4::ZERO; 3 * mesh.triangles.len()] };
+    let (linear, inverse) = match linear.inverse() {
+        inverse if inverse.is_finite() => (linear, inverse),
+        _ => (DMat3::IDENTITY, DMat3::IDENTITY),
+    };
+    let mut corners = Corners { mesh, set, linear, inverse, tangents: vec![Vec4::ZERO; 3 * mesh.triangles.len()] };
     if generate_tangents(&mut corners).is_ok() {
         let tangents = corners.tangents;
         part(mesh, &tangents);
@@ -24,6 +30,9 @@ pub(crate) fn add(mesh: &mut Mesh, set: usize) {
 struct Corners<'a> {
     mesh: &'a Mesh,
     set: usize,
+    /// From the mesh as it is made to the world.
+    linear: DMat3,
+    inverse: DMat3,
     tangents: Vec<Vec4>,
 }
 
@@ -58,11 +67,13 @@ impl Geometry<Portable> for Corners<'_> {
     fn position(&self, triangle: usize, corner: usize) -> [f32; 3] {
         // Relative to one of them, so that f32 is fine enough far away.
         let origin = self.mesh.positions.first().copied().unwrap_or(DVec3::ZERO);
-        (self.of(&self.mesh.positions, triangle, corner) - origin).as_vec3().to_array()
+        (self.inverse * (self.of(&self.mesh.positions, triangle, corner) - origin)).as_vec3().to_array()
     }
 
     fn normal(&self, triangle: usize, corner: usize) -> [f32; 3] {
-        self.of(&self.mesh.normals, triangle, corner).to_array()
+        // What the inverse transpose took to the world.
+        let normal = self.linear.transpose() * self.of(&self.mesh.normals, triangle, corner).as_dvec3();
+        normal.normalize_or_zero().as_vec3().to_array()
     }
 
     fn tex_coord(&self, triangle: usize, corner: usize) -> [f32; 2] {
@@ -73,7 +84,8 @@ impl Geometry<Portable> for Corners<'_> {
         if let Some(found) = found {
             let [x, y, z, sign] = found.tangent_encoded();
             // In glTF v grows downwards, and the bitangent leads upwards.
-            self.tangents[3 * triangle + corner] = Vec4::new(x, y, z, -sign);
+            let tangent = self.linear * Vec3::new(x, y, z).as_dvec3();
+            self.tangents[3 * triangle + corner] = tangent.normalize_or_zero().as_vec3().extend(-sign);
         }
     }
 }
@@ -103,7 +115,7 @@ fn part(mesh: &mut Mesh, tangents: &[Vec4]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Vec3, Vec4Swizzles};
+    use glam::Vec4Swizzles;
 
     /// Two quads side by side in the xy plane, u to the right on the first and to the left on the second, v downwards.
     fn mirrored() -> Mesh {
@@ -122,7 +134,7 @@ mod tests {
     #[test]
     fn tangents_follow_the_coordinates() {
         let mut mesh = mirrored();
-        add(&mut mesh, 0);
+        add(&mut mesh, 0, DMat3::IDENTITY);
         assert_eq!((mesh.positions.len(), mesh.tangents.len(), mesh.uv[0].len()), (8, 8, 8));
         for (i, triangle) in mesh.triangles.iter().enumerate() {
             for &corner in triangle {
@@ -134,7 +146,7 @@ mod tests {
         }
         let bare = Mesh { uv: [Vec::new(), Vec::new()], ..mirrored() };
         let mut same = bare.clone();
-        add(&mut same, 0);
+        add(&mut same, 0, DMat3::IDENTITY);
         assert!(same.tangents.is_empty() && same.triangles == bare.triangles);
     }
 }

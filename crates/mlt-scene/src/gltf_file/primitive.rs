@@ -13,7 +13,7 @@ use crate::{
     geometry::{Attributes, RawMesh},
     tangents,
 };
-use glam::{DVec3, Vec2, Vec4};
+use glam::{DMat3, DVec3, Vec2, Vec4};
 use gltf::{Accessor, Node, Primitive, Semantic, mesh::Mode};
 use mlt_core::transport::geometry::Mesh;
 use std::rc::Rc;
@@ -62,7 +62,8 @@ pub(super) fn mesh(
         warnings.push(format!("{place}: points and lines are not supported; they are left out: make meshes of them (Blender: Object > Convert > Mesh)"));
         return Ok(None);
     };
-    let mirrored = corners.first().is_some_and(|&first| vertices.linear(first).determinant() < 0.0);
+    let linear = corners.first().map_or(DMat3::IDENTITY, |&first| vertices.linear(first));
+    let mirrored = linear.determinant() < 0.0;
     if mirrored {
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
@@ -93,7 +94,7 @@ pub(super) fn mesh(
     };
     let mut mesh = raw.finish(warnings);
     if let (Some(mesh), Some(set)) = (&mut mesh, Slots::of(&primitive.material()).tangents()) {
-        tangents::add(mesh, set);
+        tangents::add(mesh, set, linear);
     }
     Ok(mesh)
 }
