@@ -1,6 +1,5 @@
 //! Shares of a round, and what cannot be rendered with.
 
-use super::{DecodeError, Reader, put};
 use std::error::Error;
 use std::fmt;
 
@@ -11,21 +10,6 @@ pub struct Share {
     pub mutations: u64,
     /// m_j ≥ 1, independent samples for b̂_j and the chains' starts.
     pub samples: u64,
-}
-
-impl Share {
-    /// Appends it to bytes.
-    pub(crate) fn write(&self, to: &mut Vec<u8>) {
-        [self.mutations, self.samples].into_iter().for_each(|count| put(to, count));
-    }
-
-    /// Reads what [`write`](Self::write) has written.
-    pub(crate) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
-        match [from.number()?, from.number()?] {
-            [0, _] | [_, 0] => Err(DecodeError::Damaged),
-            [mutations, samples] => Ok(Self { mutations, samples }),
-        }
-    }
 }
 
 /// Each stratum with its share, in the order of both.
