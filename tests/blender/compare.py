@@ -51,14 +51,14 @@ def made_by_blender(case, folder):
 def made_by_mlt(program, case, folder, options):
     """Renders a scene by `mlt`; returns the image."""
     scene, image = folder / f"{case.name}.glb", folder / f"{case.name}.mlt.exr"
-    command = [program, "render", scene, "--size", "96x96", "--samples-per-pixel", "1024", "-q", "-o", image, *options]
+    command = [program, "render", scene, "--size", "96x96", "--samples-per-pixel", "1024", "-q", "--force", "-o", image, *options]
     subprocess.run(command, check=True, stderr=subprocess.PIPE, text=True)
     return image
 
 
 def default_export_renders(program, case, folder):
     """What Blender exports by default, without camera and lamps, gives an image all the same."""
-    command = [program, "render", folder / f"{case.name}.default.glb", "--size", "32x32", "--samples-per-pixel", "4", "-q"]
+    command = [program, "render", folder / f"{case.name}.default.glb", "--size", "32x32", "--samples-per-pixel", "4", "-q", "--force"]
     done = subprocess.run([*command, "-o", folder / f"{case.name}.default.png"], stderr=subprocess.PIPE, text=True)
     return done.returncode == 0
 

@@ -99,7 +99,7 @@ def settings():
 def by_program(program, scene, image, *options):
     """An image by the program alone."""
     usual = ["--size", f"{SIZE}x{SIZE}", "--method", "pt", "--samples-per-pixel", str(SAMPLES), "--quiet"]
-    subprocess.run([program, "render", scene, *usual, *options, "-o", image], check=True, stderr=subprocess.DEVNULL)
+    subprocess.run([program, "render", scene, *usual, *options, "--force", "-o", image], check=True, stderr=subprocess.DEVNULL)
     return image
 
 

@@ -17,7 +17,7 @@ SCENES = {".gltf", ".glb", ".obj"}
 
 def render(program, scene, image):
     """Renders one file; returns the exit code and the messages."""
-    command = [program, "render", scene, "--size", f"{SIZE}x{SIZE}", "--samples-per-pixel", "32", "--threads", "1", "-o", image, "-q"]
+    command = [program, "render", scene, "--size", f"{SIZE}x{SIZE}", "--samples-per-pixel", "32", "--threads", "1", "-o", image, "-q", "--force"]
     try:
         done = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=120, errors="replace")
     except subprocess.TimeoutExpired:
