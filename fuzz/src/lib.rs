@@ -1,4 +1,4 @@
-//! What the fuzz targets share: a folder for the files of one scene, and the laws that every scene keeps.
+//! Shared by the fuzz targets: a folder for the files of one scene, and the laws that every scene keeps.
 
 use mlt_core::memory::Memory;
 use mlt_core::transport::scene::{Scene, SceneDescription};

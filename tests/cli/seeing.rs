@@ -1,4 +1,4 @@
-//! What is seen beside the image, from outside: channels, parts, previews, files on request.
+//! Seeing beside the image, from outside: channels, parts, previews, files on request.
 
 use std::{
     fs,

@@ -14,7 +14,7 @@ use libloading::{Library, Symbol};
 
 use crate::image::Image;
 
-/// What the library's files are called.
+/// Names of the library's files.
 const NAMES: [&str; 4] =
     ["libOpenImageDenoise.so.2", "libOpenImageDenoise.2.dylib", "OpenImageDenoise.dll", "libOpenImageDenoise.so"];
 /// Kind of device: processors, which read the caller's memory.
@@ -112,7 +112,7 @@ impl Denoiser {
         Ok(())
     }
 
-    /// What the library says went wrong, if anything did.
+    /// The library's last error, if there is one.
     fn check(&self, device: &Owned) -> anyhow::Result<()> {
         let (get, mut message) = (self.function::<GetError>(c"oidnGetDeviceError")?, ptr::null());
         // SAFETY: the device lives, and the message is written to a pointer of its type.

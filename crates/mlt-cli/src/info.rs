@@ -67,7 +67,7 @@ fn of_pilot(pilot: &Pilot) -> Facts {
     std::iter::once(kind).chain(of_key(&pilot.key)).collect()
 }
 
-/// What the rounds of a render depend on.
+/// The scene and options that a render's rounds depend on.
 fn of_key(key: &Key) -> impl Iterator<Item = (String, String)> {
     key.iter().map(|(name, value)| (format!("key.{name}"), value.clone()))
 }

@@ -1,4 +1,4 @@
-//! What the program decides, and when, for those who ask by `-v`.
+//! Messages about the program's decisions, for those who ask by `-v`.
 
 use std::{fmt, io::stderr, time::Instant};
 

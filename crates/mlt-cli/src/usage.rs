@@ -1,4 +1,4 @@
-//! What is wrong with a command line, in one sentence.
+//! Errors of a command line, in one sentence.
 
 use clap::{
     Arg, CommandFactory, Error,

@@ -20,12 +20,12 @@ Paths are as seen from the current folder, which all machines have to share, wit
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct FarmOptions {
-    /// What is written or done.
+    /// The files to write, or the task to do.
     #[command(subcommand)]
     pub command: FarmCommand,
 }
 
-/// What farms need.
+/// Options of all farms.
 #[derive(Debug, Subcommand)]
 pub enum FarmCommand {
     /// Write a shell script that submits a render to Slurm: a job array of parts, and a job that merges them

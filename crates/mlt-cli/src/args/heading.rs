@@ -1,6 +1,6 @@
 //! Headings that the options stand under in `--help`, in their order.
 
-/// What the picture looks like.
+/// Options of the picture's look.
 pub const IMAGE: &str = "Image";
 /// Where it is seen from.
 pub const CAMERA: &str = "Camera";
@@ -8,11 +8,11 @@ pub const CAMERA: &str = "Camera";
 pub const BUDGET: &str = "Budget";
 /// How light is computed.
 pub const METHOD: &str = "Method";
-/// What comes out.
+/// Options of the files that are written.
 pub const OUTPUT: &str = "Output";
 /// Where options come from besides.
 pub const OPTIONS: &str = "Options from a file";
-/// What is lit.
+/// Options of the scene and its light.
 pub const SCENE: &str = "Scene";
 /// Many images of what moves.
 pub const ANIMATION: &str = "Animation";

@@ -43,7 +43,7 @@ pub struct Cli {
     /// The subcommand.
     #[command(subcommand)]
     pub command: Command,
-    /// What is said besides, on standard error.
+    /// Options of messages on standard error.
     #[command(flatten)]
     pub general: GeneralOptions,
 }

@@ -91,7 +91,7 @@ pub struct RenderOptions {
     /// Images and checkpoints that mlt has made are overwritten without it.
     #[arg(long, help_heading = heading::OUTPUT, hide_short_help = true)]
     pub force: bool,
-    /// What is seen beside the image.
+    /// Options of what is seen beside the image.
     #[command(flatten)]
     pub show: ShowOptions,
     /// Print the report as one JSON object on standard output

@@ -59,7 +59,7 @@ pub struct ViewOptions {
     /// The camera's lens: its f-number, as in f/2.8, or its diameter
     ///
     /// An f-number is for a scene of metres and film 36 mm wide; a diameter is in the scene's units, as in 0.05; 0 is a pinhole.
-    /// What the file says if not given.
+    /// The file decides if not given.
     #[arg(long, value_name = "F", help_heading = heading::CAMERA)]
     #[arg(hide_short_help = true)]
     pub aperture: Option<Aperture>,

@@ -19,7 +19,7 @@ use crate::{
     usage,
 };
 
-/// What the jobs of all schedulers are made of. Words are quoted for a POSIX shell.
+/// The parts that the jobs of all schedulers have in common. Words are quoted for a POSIX shell.
 pub(super) struct Job {
     /// Number of tasks, one a part.
     pub(super) tasks: u64,

@@ -39,7 +39,7 @@ pub struct Inspection {
     pub size: [u32; 2],
     /// Lights by kind, and those that give no light.
     pub lights: LightCounts,
-    /// What the scene has and lacks.
+    /// Features that the scene has or lacks.
     pub features: Vec<Feature>,
     /// Memory, bytes.
     pub memory: MemoryUse,
@@ -71,7 +71,7 @@ pub struct MemoryUse {
     pub image: u64,
     /// All of it while the scene is set up, at most.
     pub peak: u64,
-    /// What the machine had left before.
+    /// Memory that the machine had left before.
     pub available: u64,
 }
 
@@ -116,7 +116,7 @@ fn inspect(options: &InspectOptions) -> Result<Inspection, Failure> {
     })
 }
 
-/// What is to be known of a scene's file, and is gone from the scene that is made of it.
+/// Facts of a scene's file that are gone from the scene that is made of it.
 #[derive(Default)]
 struct InFile {
     cameras: Vec<CameraUsed>,

@@ -36,7 +36,7 @@ impl Pilot {
         Ok(Self { path: path.to_owned(), key, found })
     }
 
-    /// What the file holds for a render with this key; nothing if there is no such file.
+    /// The outcome that the file holds for a render with this key; nothing if there is no such file.
     pub fn of(path: &Path, key: &Key) -> Result<Option<Self>, Failure> {
         if !path.exists() {
             return Ok(None);

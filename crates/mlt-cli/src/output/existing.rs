@@ -13,7 +13,7 @@ use anyhow::{Context, bail};
 
 use super::{Format, OutputFile};
 
-/// What the names of attributes in images of this program begin with.
+/// The beginning of all names of attributes in images of this program.
 const MARK: &[u8] = b"mlt.";
 /// Bytes of a file in which its attributes begin.
 const HEADER: u64 = 1 << 16;

@@ -21,7 +21,7 @@ const REST: u32 = 99;
 /// Writes the sums of a render to a file, time and again.
 pub(super) struct Checkpoint<'a> {
     path: Option<&'a Path>,
-    /// What the render's pilot found.
+    /// The outcome of the render's pilot.
     pilot: Option<&'a [u8]>,
     every: Duration,
     last: Instant,

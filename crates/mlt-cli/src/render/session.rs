@@ -45,7 +45,7 @@ pub(crate) struct Finished {
     pub made: Made,
 }
 
-/// What there is to say of some rounds.
+/// The report of some rounds.
 pub(crate) struct Made {
     /// Which render they are of.
     pub about: About,
@@ -193,7 +193,7 @@ impl Session<'_> {
         Ok(About { arguments, provenance, whole: self.plan.whole(), spent: self.spent() })
     }
 
-    /// What there is to say of the rounds so far.
+    /// The report of the rounds so far.
     fn made(&self, sums: &Sums, interrupted: bool) -> anyhow::Result<Made> {
         let (about, report) = (self.about()?, self.report(sums, interrupted));
         let (per_pixel, pilot) = (self.per_pixel, self.renderer.pilot());

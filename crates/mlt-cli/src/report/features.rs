@@ -10,7 +10,7 @@ pub struct Feature {
     pub name: &'static str,
     /// Whether the scene has it.
     pub present: bool,
-    /// What is therefore done or left out.
+    /// The consequence: work that is done or left out.
     pub therefore: &'static str,
 }
 

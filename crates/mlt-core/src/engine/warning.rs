@@ -126,7 +126,8 @@ fn non_finite(tally: &Tally) -> Option<Warning> {
     makers.extend(tally.strata.iter().any(|s| s.non_finite_samples > 0).then_some("independent samples"));
     counted(tally, WarningKind::NonFinite, non_finite, |paths| {
         format!(
-            "{paths} paths, made by {}, had an importance that is not finite; they are left out: look for materials and lights of extreme values",
+            "{paths} paths, made by {}, had an importance that is not finite; they are left out: look for materials and \
+             lights of extreme values",
             makers.join(", ")
         )
     })

@@ -1,8 +1,8 @@
 //! Walking the 8-wide tree.
 //!
-//! Both queries are one generic function each, for both instruction sets and for whatever the leaves hold. At each level the nearest-hit query keeps a key
-//! for every box that the ray meets: its distance, with the lane in the last bits. The next box is the one with the least
-//! key, found without a branch; one that lies beyond a hit ends the level. It is found before the box ahead of it is visited,
+//! Both queries are one generic function each, for both instruction sets and for whatever the leaves hold. At each level the
+//! nearest-hit query keeps a key for every box that the ray meets: its distance, with the lane in the last bits. The next box is
+//! the one with the least key, found without a branch; one that lies beyond a hit ends the level. It is found before the box ahead of it is visited,
 //! so that its memory can be asked for early where the tree is large. The any-hit query takes boxes as they come and stops
 //! at the first hit. Plain trees, without coarse triangles and not very deep, are walked by code that knows of no others.
 //!

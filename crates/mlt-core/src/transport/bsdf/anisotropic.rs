@@ -50,12 +50,7 @@ impl AnisotropicGgx {
         let (h, cos_half) = half(n, a, b)?;
         let (ca, cb) = (n.dot(a).abs(), n.dot(b).abs());
         let (ra, rb) = (self.root(self.local(n, a)), self.root(self.local(n, b)));
-        let half_d = 0.5 * self.d(self.local(n, h));
-        Some(Reflection {
-            cos_half,
-            value: half_d / (ca * rb + cb * ra),
-            pdf: [half_d / (cb + rb), half_d / (ca + ra)],
-        })
+        Some(Reflection::new(self.d(self.local(n, h)), cos_half, [ca, cb], [ra, rb]))
     }
 
     /// As of [`Ggx`](super::microfacet::Ggx).

@@ -26,7 +26,7 @@ pub trait Microfacets: Copy {
     /// `given` mirrored about a normal that it sees; density: [`Reflection::pdf`]; `None`: it would go below the surface.
     fn sample_reflection(&self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A>;
 
-    /// What is lacking at a direction.
+    /// The energy that is lacking at a direction.
     fn lacking(&self, n: Vec3A, direction: Vec3A) -> Lacking;
 
     /// Its mean over the hemisphere, ∫₀¹ · 2μ dμ.

@@ -60,7 +60,7 @@ pub struct Anisotropy {
     pub strength: f32,
     /// anisotropyRotation: angle from the tangent to the direction of greater roughness, towards the bitangent, radians.
     pub rotation: f32,
-    /// What the strength means.
+    /// Meaning of the strength.
     pub stretch: Stretch,
 }
 

@@ -36,6 +36,15 @@ pub struct Reflection {
     pub pdf: [f32; 2],
 }
 
+impl Reflection {
+    /// From D(h), sr⁻¹, the half angle's cosine, and for `a` and `b` the cosine c and the root c (1 + 2 Λ) of each.
+    #[inline(always)]
+    pub(super) fn new(d: f32, cos_half: f32, [ca, cb]: [f32; 2], [ra, rb]: [f32; 2]) -> Self {
+        let half_d = 0.5 * d;
+        Self { cos_half, value: half_d / (ca * rb + cb * ra), pdf: [half_d / (cb + rb), half_d / (ca + ra)] }
+    }
+}
+
 impl Ggx {
     /// D(h), sr⁻¹; either sign of `h`.
     ///
@@ -67,12 +76,7 @@ impl Ggx {
         let (h, cos_half) = half(n, a, b)?;
         let (ca, cb) = (n.dot(a).abs(), n.dot(b).abs());
         let (ra, rb) = (self.root(ca), self.root(cb));
-        let half_d = 0.5 * self.d(n, h);
-        Some(Reflection {
-            cos_half,
-            value: half_d / (ca * rb + cb * ra),
-            pdf: [half_d / (cb + rb), half_d / (ca + ra)],
-        })
+        Some(Reflection::new(self.d(n, h), cos_half, [ca, cb], [ra, rb]))
     }
 
     /// `given` mirrored about a normal that it sees; density: [`Reflection::pdf`]; `None`: it would go below the surface.

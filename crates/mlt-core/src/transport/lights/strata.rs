@@ -290,7 +290,7 @@ mod tests {
         Lights::new(&meshes, &materials, &[], &primitives)
     }
 
-    /// What is read back from a partition's bytes, after a change of its parts.
+    /// The partition that is read back from a partition's bytes, after a change of its parts.
     fn read_back(lights: &Lights, strata: &LightStrata, change: impl Fn(&mut Vec<Vec<Cell>>)) -> Option<LightStrata> {
         let mut parts: Vec<_> = strata.regions().iter().map(|region| region.cells().to_vec()).collect();
         change(&mut parts);

@@ -78,7 +78,7 @@ impl<'a> Renderer<'a> {
         })
     }
 
-    /// What the pilot found, for [`following`](Self::following); nothing where the method has no pilot.
+    /// The pilot's outcome, for [`following`](Self::following); nothing where the method has no pilot.
     pub fn pilot(&self) -> Option<Vec<u8>> {
         let (method, found) = match &self.method {
             Prepared::Auto(method) => (Method::Auto, method.pilot()),

@@ -15,7 +15,7 @@ fn across(material: Material) -> World {
     walls().mesh(curtain(0.0), material).seen(EYE.as_dvec3(), DVec3::ZERO, 20.0, [9, 9])
 }
 
-/// What the pixel in the middle shows.
+/// Features of the pixel in the middle.
 fn middle(world: &World) -> SurfaceFeatures {
     surfaces(world.view())[40]
 }

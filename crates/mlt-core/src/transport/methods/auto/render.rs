@@ -51,7 +51,7 @@ impl<'a> Auto<'a> {
         Ok(Self { view, settings, importance, lights, plan, pilot: PilotCounts::read(from)? })
     }
 
-    /// What the pilot found, as bytes.
+    /// The pilot's outcome, as bytes.
     pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.importance.write(&mut bytes);

@@ -69,7 +69,7 @@ impl<'a> PathMetropolis<'a> {
         }
     }
 
-    /// What the pilot found, as bytes.
+    /// The pilot's outcome, as bytes.
     pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.chains.importance().write(&mut bytes);

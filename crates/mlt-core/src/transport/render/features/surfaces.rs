@@ -18,7 +18,7 @@ const KEY: u64 = 0x5ee1;
 /// Depth where nothing is seen, as Cycles has it.
 pub const NOWHERE: f32 = 1e10;
 
-/// What is seen through a pixel.
+/// The surface that is seen through a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceFeatures {
     /// Mean reflectance over the pixel, 0…1; 0 where nothing is seen. A mirror or smooth glass has that of what is seen in it, by
