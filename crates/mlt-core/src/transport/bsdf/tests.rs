@@ -1,5 +1,6 @@
 //! Laws that every [`Bsdf`] keeps: densities, reciprocity, energy, finite numbers.
 
+use super::microfacet::Microfacets;
 use super::*;
 use crate::transport::colour::Rgb;
 use rand_pcg::Pcg64Mcg;
