@@ -42,7 +42,7 @@ fn is_done(options: &RenderOptions, part: &Path) -> Result<bool, Failure> {
     if_whole(part).map_or(Ok(false), |kept| render::is_done(options, &kept))
 }
 
-/// What a file keeps, if there is one; what is wrong with it is told.
+/// The rounds that a file keeps, if there is one; a fault of it is told.
 fn if_whole(path: &Path) -> Option<Kept> {
     match path.exists().then(|| kept::read(path))? {
         Ok(kept) => Some(kept),

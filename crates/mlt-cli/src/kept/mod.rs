@@ -23,7 +23,7 @@ pub struct Kept {
     pub path: PathBuf,
     /// Which render they are of.
     pub about: About,
-    /// What its pilot found; `None` if its method has no pilot.
+    /// Its pilot's findings; `None` if its method has no pilot.
     pub pilot: Option<Vec<u8>>,
     /// Its rounds.
     pub sums: Sums,
