@@ -7,6 +7,7 @@
 //! stops at each surface with probability α comes to y with density p_ω |cosθ| τ / d² per A′, so τ cancels in f/p; and a light
 //! of area A has the area α A. docs/theory.md, "Opacity".
 
+use super::primitive::Primitive;
 use super::way::Way;
 use super::{RAYS, Scene};
 use crate::engine::uniform_f32;
@@ -23,6 +24,18 @@ impl Scene {
             Some(textured) if textured.has_opacity() => material.opacity_at(&self.textures, &self.coordinates(vertex)),
             _ => material.opacity,
         }
+    }
+
+    /// α of the surface that is seen in a veil's place from its other side, if that is another one: what passes has to pass both, or more
+    /// would pass to one side than to the other. `direction`: along which the veil is passed.
+    #[inline]
+    fn opacity_behind(&self, veil: &Vertex, direction: Vec3A) -> f32 {
+        if !veil.shared {
+            return 0.0;
+        }
+        let primitive = self.triangles.seen(&self.materials, veil.primitive, veil.position, direction);
+        let Primitive { material, .. } = self.triangles.primitives[primitive as usize];
+        if primitive == veil.primitive { 0.0 } else { self.opacity(&Vertex { primitive, material, ..*veil }) }
     }
 
     /// The surface at which light along a direction, of any length, stops, or a distant light beyond all surfaces; and τ of those that
@@ -76,7 +89,11 @@ impl Scene {
             if opacity >= 1.0 || uniform_f32(rng) < opacity {
                 return Some((vertex, passed));
             }
-            passed *= 1.0 - opacity;
+            let behind = self.opacity_behind(&vertex, direction);
+            if behind > 0.0 && uniform_f32(rng) < behind {
+                return None;
+            }
+            passed *= (1.0 - opacity) * (1.0 - behind);
             origin = vertex.origin(direction);
         }
     }
@@ -116,7 +133,7 @@ impl Scene {
                 return Some(passed);
             };
             let veil = self.vertex(&hit, &ray)?;
-            passed *= 1.0 - self.opacity(&veil);
+            passed *= (1.0 - self.opacity(&veil)) * (1.0 - self.opacity_behind(&veil, way.step()));
             if passed <= 0.0 {
                 return None;
             }

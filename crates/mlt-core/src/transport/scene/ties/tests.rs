@@ -3,7 +3,7 @@ use crate::transport::colour::Rgb;
 use crate::transport::geometry::{Mesh, Vertex};
 use crate::transport::lights::LightRegion;
 use crate::transport::paths::emission;
-use crate::transport::scene::Scene;
+use crate::transport::scene::{Material, Scene};
 use crate::transport::tests::worlds::{Builder, World, glass, lambert, quad};
 use glam::{DVec3, Vec3A};
 
@@ -114,6 +114,35 @@ fn a_wall_behind_glass_and_a_rug_on_a_floor_are_seen() {
 }
 
 /// Neighbours that share an edge or part of one, crossing walls, and a lamp a little below a ceiling are no ties.
+/// What passes through lamps in one place passes both ways alike: from above the large veil is seen, from below the small lamp.
+#[test]
+fn as_much_passes_up_as_down() {
+    for (opacity, expected) in [(1.0, 0.0), (0.5, 0.375)] {
+        let lamp = |emits_both_sides, opacity| Material {
+            emission: Rgb::ONE,
+            emits_both_sides,
+            opacity,
+            ..Material::default()
+        };
+        let large = Builder::default().mesh(slab(0.0, [0.0, 0.0], 1.0, true), lamp(true, 0.25));
+        let world = from_above(large.mesh(slab(0.0, [0.1, 0.0], 0.3, false), lamp(false, opacity)));
+        let mut rng = generator(2, Purpose::Sample, 0, 0, 0);
+        for [x, z] in points(3) {
+            let within = (x - 0.1).abs() < 0.3 && z.abs() < 0.3;
+            let expected = if within { expected } else { 0.75 };
+            for sign in [1.0, -1.0] {
+                let ends = [sign, -sign].map(|y| Vertex::camera(Vec3A::new(x, y, z), Vec3A::Y));
+                assert_eq!(world.scene.transmittance(&ends[0], &ends[1]).unwrap_or(0.0), expected, "{x} {z} {sign}");
+                let stops =
+                    (0..400).filter(|_| world.scene.follow(&ends[0], Vec3A::Y * -sign, &mut rng).is_some()).count();
+                // Two surfaces, either of which is there at most.
+                let seen = if within && sign < 0.0 { opacity } else { 0.25 };
+                assert!((stops as f32 / 400.0 - seen).abs() < 0.12, "{x} {z} {sign}: {stops} of 400");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_touches_or_stands_apart_is_not_tied() {
     let v = DVec3::new;
