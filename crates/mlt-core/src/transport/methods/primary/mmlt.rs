@@ -105,7 +105,7 @@ impl Output for Weighted {
 impl<I: Importance<LightPath>> Tracer<STREAMS> for Multiplexed<'_, I> {
     type Output = Weighted;
 
-    fn trace(&self, [light, eye]: &mut Streams<STREAMS>, output: &mut Weighted) -> bool {
+    fn trace(&self, [eye, light]: &mut Streams<STREAMS>, output: &mut Weighted) -> bool {
         let technique = self.techniques.choose(uniform(light), f64::from(uniform_f32(light)));
         let Some(weight) = self.make(&technique, &mut output.path, light, eye) else {
             return false;

@@ -61,7 +61,7 @@ impl Splats {
 impl<I: Importance<LightPath>> Tracer<STREAMS> for AllConnections<'_, I> {
     type Output = Splats;
 
-    fn trace(&self, [light, eye]: &mut Streams<STREAMS>, output: &mut Splats) -> bool {
+    fn trace(&self, [eye, light]: &mut Streams<STREAMS>, output: &mut Splats) -> bool {
         let Part { view, strata, index, max_edges, importance } = self.part;
         let sampler = Bidirectional { view, region: &strata.regions()[index as usize], max_edges };
         output.splats.clear();
