@@ -21,7 +21,7 @@ use crate::transport::paths::{LightPath, PathVertex, mis, set_scattering};
 use crate::transport::scene::View;
 use glam::Vec2;
 
-/// Numbers of length, technique and the light's subpath; of the camera's.
+/// Numbers of the camera's subpath; of length, technique and the light's.
 const STREAMS: usize = 2;
 
 /// Scale of the law of lengths: P(K ≥ k) = (c/(k − 1 + c))².

@@ -18,7 +18,7 @@ use crate::transport::scene::View;
 /// Probability of a large step.
 const LARGE_STEPS: f64 = 0.3;
 
-/// Numbers of the light's subpath, numbers of the camera's.
+/// Numbers of the camera's subpath, numbers of the light's.
 const STREAMS: usize = 2;
 
 /// F(u) = Σ_{s,t} q_j w_s f / p_s over the connections of the two subpaths.
