@@ -11,7 +11,7 @@
 //! Sources: [Walter07], [Heitz14]. Light that meets the surface more than once: `albedo`.
 
 use super::fresnel::reflect;
-use crate::transport::geometry::math::{frame, turn};
+use crate::transport::geometry::math::{cross, frame, turn, unit};
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
 
@@ -53,7 +53,7 @@ impl Ggx {
     pub fn d(self, n: Vec3A, h: Vec3A) -> f32 {
         let a2 = self.alpha * self.alpha;
         let cos = n.dot(h);
-        let t = a2 * cos * cos + n.cross(h).length_squared();
+        let t = a2 * cos * cos + cross(n, h).length_squared();
         FRAC_1_PI * a2 / (t * t)
     }
 
@@ -102,7 +102,7 @@ impl Ggx {
             return None;
         }
         let (s, t) = frame(n);
-        let h = visible_cap(Vec3A::new(self.alpha * v.dot(s), self.alpha * v.dot(t), cos).normalize(), u);
+        let h = visible_cap(unit(Vec3A::new(self.alpha * v.dot(s), self.alpha * v.dot(t), cos)), u);
         (self.alpha * h.x * s + self.alpha * h.y * t + h.z * n).try_normalize()
     }
 }
