@@ -1,4 +1,4 @@
-//! What `mlt render` says while it works, where standard error is no terminal.
+//! Lines that `mlt render` writes while it works, where standard error is no terminal.
 
 use std::process::Command;
 

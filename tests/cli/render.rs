@@ -309,7 +309,7 @@ fn a_scene_that_cannot_be_rendered_is_a_failed_run() {
     }
 }
 
-/// What was left out may be why there is nothing to render.
+/// The parts left out may be why there is nothing to render.
 #[test]
 fn what_was_left_out_is_said_of_a_scene_that_cannot_be_rendered() {
     let folder = with_obj();
@@ -396,7 +396,7 @@ mod unix {
         assert_eq!(names(folder.path()), ["a.exr"]);
     }
 
-    /// What stood there stays, nothing is left half written, and the file that fits is written all the same.
+    /// The old file stays, nothing is left half written, and the file that fits is written all the same.
     fn survives_a_full_disk(folder: &Path, output: &Output) {
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{message}");

@@ -169,7 +169,7 @@ fn a_bad_environment_is_one_sentence() {
     }
 }
 
-/// What no radiance can be becomes 0, an image of another shape is stretched, and both are said.
+/// A number that no radiance can be becomes 0, an image of another shape is stretched, and both are said.
 #[test]
 fn a_strange_image_is_taken_with_a_warning() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,6 +1,6 @@
 //! Surfaces that are not opaque: `d` and `Tr` of MTL.
 //!
-//! What is behind a black sheet of opacity α is seen 1 − α times as bright, whatever the method; a floor of opacity α is
+//! A thing behind a black sheet of opacity α is seen 1 − α times as bright, whatever the method; a floor of opacity α is
 //! α times as bright over nothing.
 
 use crate::{

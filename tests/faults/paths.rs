@@ -2,7 +2,7 @@
 
 use crate::support::render;
 
-/// What a stray triangle thousands of room sizes away does to the room's unit of length is not seen.
+/// A stray triangle thousands of room sizes away changes the room's unit of length, which is not seen.
 #[test]
 fn long_paths_in_a_small_room_are_kept() {
     for method in ["mlt", "pssmlt", "mmlt", "mlt --strata 4x4"] {
@@ -12,7 +12,7 @@ fn long_paths_in_a_small_room_are_kept() {
     render("stray95-1e3/scene.gltf", "--size 16x16 --samples-per-pixel 256").expect_b(2.126, 0.006);
 }
 
-/// What one of the methods once gave.
+/// The value that one of the methods once gave.
 #[test]
 #[should_panic(expected = "not 2.06")]
 fn a_loss_of_long_paths_would_be_seen() {
@@ -27,7 +27,7 @@ fn a_pane_lets_as_much_light_through_however_thin_it_is() {
     }
 }
 
-/// What the thicker of the two thin panes once gave.
+/// The value that the thicker of the two thin panes once gave.
 #[test]
 #[should_panic(expected = "not 0.856")]
 fn a_brighter_pane_would_be_seen() {

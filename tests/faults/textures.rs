@@ -184,7 +184,7 @@ fn a_lamp_shows_its_texture() {
     scene.expect(0.5 * mean_grey());
 }
 
-/// What an unlit surface shows does not depend on light.
+/// The look of an unlit surface does not depend on light.
 #[test]
 fn an_unlit_surface_shows_its_colour_in_any_light() {
     let unlit = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },

@@ -92,7 +92,7 @@ fn octahedron() -> Mesh {
     }
 }
 
-/// What absorbs nothing cannot be seen in a furnace.
+/// A surface that absorbs nothing cannot be seen in a furnace.
 #[test]
 fn a_furnace_hides_what_absorbs_nothing() {
     let seen = || pose(DVec3::new(0.4, 0.6, 3.0), DVec3::ZERO, 40.0);

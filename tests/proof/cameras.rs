@@ -57,7 +57,7 @@ fn a_lamp_out_of_focus_is_spread() {
     check("lamp out of focus", &World::new(description), &known_to(truth, 2e-3), [400.0, 4000.0]);
 }
 
-/// What the midpoint rule makes of a step is known to about this.
+/// The midpoint rule integrates a step to about this.
 fn known_to(values: Vec<f64>, error: f64) -> Known {
     let variances = values.iter().map(|v| (v * error).powi(2).max(1e-12)).collect();
     Known { values, variances }

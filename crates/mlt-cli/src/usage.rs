@@ -22,7 +22,7 @@ pub(crate) fn answer(error: &Error) -> Result<(), Failure> {
     }
 }
 
-/// What clap objects to; what it takes for meant is asked for only where that is near.
+/// Clap's objection; its guess at what was meant is asked for only where that is near.
 pub(crate) fn sentence(error: &Error) -> String {
     let named = |kind| match error.get(kind) {
         Some(ContextValue::String(name)) => Some(name.clone()),

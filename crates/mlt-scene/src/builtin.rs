@@ -12,7 +12,7 @@ use mlt_core::memory::Memory;
 pub struct BuiltIn {
     /// Its name.
     pub name: &'static str,
-    /// What it shows, in a few words.
+    /// Its subject, in a few words.
     pub about: &'static str,
     files: Embedded,
 }

@@ -1,4 +1,4 @@
-//! What a scene file holds, as a tree of names.
+//! The content of a scene file, as a tree of names.
 
 /// A node of a scene file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -7,7 +7,7 @@ pub struct Entry {
     pub depth: usize,
     /// Its name, fit for a terminal.
     pub name: String,
-    /// What stands there, in words: a mesh, a camera, a light.
+    /// The thing that stands there, in words: a mesh, a camera, a light.
     pub parts: Vec<String>,
 }
 

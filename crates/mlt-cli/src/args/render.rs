@@ -104,7 +104,7 @@ pub struct RenderOptions {
 
     /// Take options from FILE, in TOML: the names of the long options, as in time = "30s"
     ///
-    /// What the command line says wins. 'file' names the scene; a list stands for several values, true and false for flags.
+    /// The command line wins. 'file' names the scene; a list stands for several values, true and false for flags.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = heading::OPTIONS)]
     #[arg(hide_short_help = true)]
     pub config: Option<PathBuf>,

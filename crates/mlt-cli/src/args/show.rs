@@ -1,4 +1,4 @@
-//! What a render shows beside its image.
+//! Options of what a render shows beside its image.
 
 use std::str::FromStr;
 
@@ -29,7 +29,7 @@ pub struct ShowOptions {
     pub previews: Vec<Preview>,
 }
 
-/// What a further channel says of a pixel.
+/// A quantity of a pixel that a further channel holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Aov {
     /// albedo.R, .G, .B: reflectance, followed through mirrors and smooth glass

@@ -11,7 +11,7 @@ use crate::args::{bench::Budget, contestant::Contestant};
 /// Runs that differ in the seed alone; never empty.
 #[derive(Clone, Debug)]
 pub(super) struct Point<'a> {
-    /// What each was given.
+    /// The work that each was given.
     pub budget: Budget,
     /// In the order of the seeds.
     pub rows: Vec<&'a Row>,

@@ -18,7 +18,7 @@ use crate::{
 };
 use lights::LightCounts;
 
-/// What a scene holds; [`Display`](std::fmt::Display) is the same for reading.
+/// The content of a scene; [`Display`](std::fmt::Display) is the same for reading.
 #[derive(Debug, Serialize)]
 pub struct Inspection {
     /// The scene as named on the command line.
@@ -43,7 +43,7 @@ pub struct Inspection {
     pub features: Vec<Feature>,
     /// Memory, bytes.
     pub memory: MemoryUse,
-    /// What could not be taken over, and the remedies.
+    /// Parts that could not be taken over, and the remedies.
     pub warnings: Vec<String>,
 }
 
@@ -54,7 +54,7 @@ pub struct Node {
     pub depth: usize,
     /// Its name.
     pub name: String,
-    /// What stands there, in words.
+    /// The thing that stands there, in words.
     pub parts: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What a scene holds, for reading.
+//! The content of a scene, for reading.
 
 use std::fmt;
 

@@ -27,7 +27,7 @@ pub struct Kept {
     pub path: PathBuf,
     /// Which render they are of.
     pub about: About,
-    /// What its pilot found; `None` if its method has no pilot.
+    /// Its pilot's findings; `None` if its method has no pilot.
     pub pilot: Option<Vec<u8>>,
     /// Its rounds.
     pub sums: Sums,
@@ -94,7 +94,7 @@ impl Kept {
     }
 }
 
-/// What a file keeps, if there is one; what is wrong with it is told.
+/// The rounds that a file keeps, if there is one; a fault of it is told.
 pub(crate) fn if_whole(path: &Path) -> Option<Kept> {
     match path.exists().then(|| read(path))? {
         Ok(kept) => Some(kept),

@@ -13,7 +13,7 @@ pub const MAGIC: [u8; 8] = *b"mlt-pilo";
 /// Version of the format.
 pub const VERSION: u32 = 1;
 
-/// What a pilot found.
+/// A pilot's findings.
 #[derive(Debug)]
 pub struct Pilot {
     /// Its file.

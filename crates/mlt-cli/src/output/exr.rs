@@ -10,7 +10,7 @@ use ::exr::{
     image::write::channels::WritableChannels,
     meta::{
         attribute::{AttributeValue, IntegerBounds, Text},
-        header::{ImageAttributes, LayerAttributes},
+        header::{Header, ImageAttributes, LayerAttributes},
     },
     prelude::{
         AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as ExrImage, Layer, LineOrder,
@@ -125,14 +125,7 @@ type Pixels = (Vec<[f32; 3]>, Option<Vec<[f32; 3]>>, usize);
 
 fn decode(path: &Path) -> anyhow::Result<ExrFile> {
     let chunks = ::exr::block::read(BufReader::new(File::open(path)?), false)?;
-    for header in chunks.headers() {
-        // The image and its standard error, 12 bytes each.
-        check_size(header.layer_size.width(), header.layer_size.height(), 24)?;
-        // What is decoded at once, all channels of it.
-        let Vec2(width, height) = header.max_block_pixel_size();
-        let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(header.channels.bytes_per_pixel as u64);
-        require_memory(bytes, &format!("a block of {width}x{height} pixels"))?;
-    }
+    chunks.headers().iter().try_for_each(check_memory)?;
     let file = exr_read()
         .no_deep_data()
         .largest_resolution_level()
@@ -167,6 +160,16 @@ fn decode(path: &Path) -> anyhow::Result<ExrFile> {
     attributes.sort_unstable();
     let (rgb, stderr, _) = layer.channel_data.pixels;
     Ok(ExrFile { image: Image::new(layer.size.width(), layer.size.height(), rgb)?, stderr, attributes })
+}
+
+/// Refuses a layer that there is no memory for.
+fn check_memory(header: &Header) -> anyhow::Result<()> {
+    // The image and its standard error, 12 bytes each.
+    check_size(header.layer_size.width(), header.layer_size.height(), 24)?;
+    // What is decoded at once, all channels of it.
+    let Vec2(width, height) = header.max_block_pixel_size();
+    let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(header.channels.bytes_per_pixel as u64);
+    require_memory(bytes, &format!("a block of {width}x{height} pixels"))
 }
 
 fn text_attribute((name, value): (&Text, &AttributeValue)) -> Option<(String, String)> {

@@ -20,7 +20,7 @@ pub enum Format {
     Jpg,
     /// Exact sums of rounds, for `mlt merge` and `--resume`.
     Sums,
-    /// What a pilot found, for `--pilot`.
+    /// A pilot's findings, for `--pilot`.
     Pilot,
 }
 
@@ -60,7 +60,7 @@ impl Format {
         all.iter().find(|(magic, _)| start.starts_with(magic)).map(|&(_, format)| format)
     }
 
-    /// What a file of it is, in words.
+    /// A file of it, in words.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Exr => "an OpenEXR",

@@ -1,4 +1,4 @@
-//! What goes into an image file.
+//! The content of an image file.
 
 use anyhow::bail;
 

@@ -1,4 +1,4 @@
-//! What camera rays find for a render's files.
+//! Features that camera rays find, for a render's files.
 
 use mlt_core::transport::{
     render::{SurfaceFeatures, strongest_strata, surfaces},
@@ -16,7 +16,7 @@ use crate::{
 pub(crate) struct Features {
     /// Further channels, as they were asked for.
     pub channels: Vec<Channel>,
-    /// What a denoiser needs, if one is asked for.
+    /// Input of a denoiser, if one is asked for.
     pub guides: Option<Guides>,
 }
 

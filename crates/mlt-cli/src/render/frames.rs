@@ -61,7 +61,7 @@ pub(super) fn run(options: &RenderOptions, frames: &Frames) -> Result<(), Failur
 }
 
 impl FrameReport {
-    /// What matters of a frame.
+    /// The part of the report that matters of a frame.
     fn line(&self) -> String {
         let Self { frame, time_in_animation, report } = self;
         let error =

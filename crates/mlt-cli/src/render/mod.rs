@@ -70,7 +70,7 @@ pub(crate) fn go_on(options: &RenderOptions, kept: Option<Kept>) -> Result<(), F
     if report.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
-/// What renders of a process share.
+/// Threads and signals, which the renders of a process share.
 struct Workshop {
     pool: rayon::ThreadPool,
     interrupt: Interrupt,

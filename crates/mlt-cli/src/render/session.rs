@@ -49,7 +49,7 @@ pub(crate) struct Finished {
 pub(crate) struct Made {
     /// Which render they are of.
     pub about: About,
-    /// What its pilot found, if it has one.
+    /// Its pilot's findings, if it has one.
     pub pilot: Option<Vec<u8>>,
     /// Its report, without the files.
     pub report: Report,
@@ -67,59 +67,11 @@ pub(super) fn run(
     interrupt: &Interrupt,
     kept: Option<Kept>,
 ) -> Result<Finished, Failure> {
-    let (start, cpu) = (Instant::now(), cpu_seconds());
-    let view = View { scene: &setup.scene, camera: &setup.camera };
     let progress = Progress::new(options.method().unit(), options.quiet);
     progress.prepare(0.0);
-    let Round { per_pixel, time } = Round::new(options, view, &plan, interrupt);
-    require_memory_for_round(options.method(), per_pixel, setup)?;
     let mut previews = Previews::open(options, setup.camera.size())?;
-    let features = Features::find(options, view);
-    let mut sums = Sums::new(film_of(view)).with_key(key(options, setup, per_pixel)?);
-    let before = kept.as_ref().map_or(Ok(Spent::NONE), |kept| kept.resume(&mut sums, plan.own()))?;
-    let go_on = || interrupt.go_on();
-    info!("a round is {per_pixel} {} per pixel; {plan}", options.method().unit());
-    let tell = |share| progress.prepare(share);
-    let watch = Watch::new(&go_on).reporting(&tell);
-    let known = (kept.as_ref(), &options.keeping);
-    let renderer = renderer(view, options.settings(per_pixel), known, sums.key(), watch)?;
-    let pilot = renderer.pilot();
-    drop(kept);
-    info!("set up after {:.3} s{}", start.elapsed().as_secs_f64(), decision(&renderer));
-    let ending = Ending::new(plan.limits(), LUMINANCE, start).expecting(time).showing_error(progress.is_shown());
-    let provenance = provenance(options, setup);
-    let session = Session {
-        options,
-        setup,
-        provenance,
-        plan,
-        renderer,
-        per_pixel,
-        start,
-        cpu,
-        before,
-        held: sums.rounds().count(),
-        features,
-    };
-    let mut checkpoint = Checkpoint::new(&options.keeping, pilot.as_deref());
-    let outcome = session.renderer.render_until(&ending, plan.own().start, &mut sums, &mut |at, sums| {
-        progress.update(&at, session.rate(at.rounds));
-        previews.offer(sums.film());
-        if at.rounds.fract() == 0.0 {
-            debug!("{}", words(&at));
-            checkpoint.offer(|| session.about(), sums);
-            session.write_if(interrupt.files_are_wanted(), sums);
-        }
-        interrupt.go_on()
-    });
-    progress.finish();
-    info!(
-        "{} rounds after {:.3} s: {}",
-        sums.film().rounds(),
-        start.elapsed().as_secs_f64(),
-        ending_words(outcome, interrupt)
-    );
-    previews.show(sums.film());
+    let (session, mut sums) = Session::begin((options, setup, plan), interrupt, &progress, kept)?;
+    let outcome = session.render(&mut sums, &progress, &mut previews);
     if sums.film().rounds() == 0 {
         return Err(too_early());
     }
@@ -128,7 +80,7 @@ pub(super) fn run(
     Ok(Finished { sums, made })
 }
 
-/// What a pilot has decided, if it had a choice.
+/// A pilot's decision, if it had a choice.
 fn decision(renderer: &Renderer) -> String {
     let text = renderer.decision().map_or_else(String::new, |decision| Decision::from(decision).to_string());
     if text.is_empty() { text } else { format!(": {}", text.split_whitespace().collect::<Vec<_>>().join(" ")) }
@@ -160,9 +112,9 @@ struct Session<'a> {
     setup: &'a Setup,
     provenance: Provenance,
     plan: Plan,
+    interrupt: &'a Interrupt,
     renderer: Renderer<'a>,
-    /// Mutations or samples a pixel of one round.
-    per_pixel: f64,
+    round: Round,
     start: Instant,
     /// Processor time before it, s.
     cpu: Option<f64>,
@@ -174,11 +126,60 @@ struct Session<'a> {
     features: Features,
 }
 
-impl Session<'_> {
+impl<'a> Session<'a> {
+    /// Sets a render up, with the rounds that there are already.
+    fn begin(
+        (options, setup, plan): (&'a RenderOptions, &'a Setup, Plan),
+        interrupt: &'a Interrupt,
+        progress: &Progress,
+        kept: Option<Kept>,
+    ) -> Result<(Self, Sums), Failure> {
+        let (start, cpu) = (Instant::now(), cpu_seconds());
+        let view = View { scene: &setup.scene, camera: &setup.camera };
+        let round = Round::new(options, view, &plan, interrupt);
+        require_memory_for_round(options.method(), round.per_pixel, setup)?;
+        let features = Features::find(options, view);
+        let mut sums = Sums::new(film_of(view)).with_key(key(options, setup, round.per_pixel)?);
+        let before = kept.as_ref().map_or(Ok(Spent::NONE), |kept| kept.resume(&mut sums, plan.own()))?;
+        info!("a round is {} {} per pixel; {plan}", round.per_pixel, options.method().unit());
+        let (go_on, tell) = (|| interrupt.go_on(), |share| progress.prepare(share));
+        let watch = Watch::new(&go_on).reporting(&tell);
+        let known = (kept.as_ref(), &options.keeping);
+        let renderer = renderer(view, options.settings(round.per_pixel), known, sums.key(), watch)?;
+        info!("set up after {:.3} s{}", start.elapsed().as_secs_f64(), decision(&renderer));
+        let (provenance, held) = (provenance(options, setup), sums.rounds().count());
+        let session =
+            Self { options, setup, provenance, plan, interrupt, renderer, round, start, cpu, before, held, features };
+        Ok((session, sums))
+    }
+
+    /// Makes the rounds that are missing, as far as the plan goes.
+    fn render(&self, sums: &mut Sums, progress: &Progress, previews: &mut Previews) -> Outcome {
+        let limits = Ending::new(self.plan.limits(), LUMINANCE, self.start);
+        let ending = limits.expecting(self.round.time).showing_error(progress.is_shown());
+        let pilot = self.renderer.pilot();
+        let mut checkpoint = Checkpoint::new(&self.options.keeping, pilot.as_deref());
+        let outcome = self.renderer.render_until(&ending, self.plan.own().start, sums, &mut |at, sums| {
+            progress.update(&at, self.rate(at.rounds));
+            previews.offer(sums.film());
+            if at.rounds.fract() == 0.0 {
+                debug!("{}", words(&at));
+                checkpoint.offer(|| self.about(), sums);
+                self.write_if(self.interrupt.files_are_wanted(), sums);
+            }
+            self.interrupt.go_on()
+        });
+        progress.finish();
+        let (rounds, seconds) = (sums.film().rounds(), self.start.elapsed().as_secs_f64());
+        info!("{rounds} rounds after {seconds:.3} s: {}", ending_words(outcome, self.interrupt));
+        previews.show(sums.film());
+        outcome
+    }
+
     /// Mutations or samples a second, after so many rounds.
     fn rate(&self, rounds: f64) -> f64 {
         let made = rounds - self.held as f64;
-        made * self.per_pixel * f64::from(self.setup.camera.pixels()) / self.start.elapsed().as_secs_f64()
+        made * self.round.per_pixel * f64::from(self.setup.camera.pixels()) / self.start.elapsed().as_secs_f64()
     }
 
     /// Time that the rounds have taken so far.
@@ -196,7 +197,7 @@ impl Session<'_> {
     /// The report of the rounds so far.
     fn made(&self, sums: &Sums, interrupted: bool) -> anyhow::Result<Made> {
         let (about, report) = (self.about()?, self.report(sums, interrupted));
-        let (per_pixel, pilot) = (self.per_pixel, self.renderer.pilot());
+        let (per_pixel, pilot) = (self.round.per_pixel, self.renderer.pilot());
         Ok(Made { about, pilot, report, per_pixel, features: self.features.clone() })
     }
 

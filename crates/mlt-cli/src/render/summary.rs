@@ -18,7 +18,6 @@ use crate::{
 pub(crate) fn report(options: &RenderOptions, provenance: &Provenance, sums: &Sums) -> Report {
     let (film, counts, blocks) = (sums.film(), sums.tally(), &Blocks::from(sums.film().blocks()));
     let [width, height] = film.size().map(|n| n as usize);
-    let error = relative_error(film);
     let Pixel { mean: b, stderr: b_stderr } = mean_luminance(film);
     let mutations = by_mutation(counts);
     let mut report = Report {
@@ -46,19 +45,26 @@ pub(crate) fn report(options: &RenderOptions, provenance: &Provenance, sums: &Su
         b,
         b_stderr,
         strata: counts.chains().strata.iter().map(stratum).collect(),
-        relative_error: error.is_finite().then_some(error),
+        relative_error: Some(relative_error(film)).filter(|error| error.is_finite()),
         agreement: blocks.agreement().filter(|_| counts.steps() > 0),
         trust: trust(film, counts, blocks, film.size()),
         decision: None,
         warnings: provenance.warnings.clone(),
         outputs: Vec::new(),
     };
-    report.warnings.extend(without_effect(options));
-    report.warnings.extend(warnings(film));
-    report.warnings.extend(losses(film, counts, width));
-    report.warnings.extend(report.agreement.as_ref().and_then(Agreement::warning));
-    report.warnings.extend(report.trust.doubts());
+    report.warnings.extend(doubts(options, sums, &report));
     report
+}
+
+/// Reasons not to trust the image, or not to have asked for it in this way.
+fn doubts(options: &RenderOptions, sums: &Sums, report: &Report) -> Vec<String> {
+    let film = sums.film();
+    let mut doubts: Vec<_> = without_effect(options).into_iter().collect();
+    doubts.extend(warnings(film));
+    doubts.extend(losses(film, sums.tally(), report.width));
+    doubts.extend(report.agreement.as_ref().and_then(Agreement::warning));
+    doubts.extend(report.trust.doubts());
+    doubts
 }
 
 /// Counts of each mutation over all strata.

@@ -1,4 +1,4 @@
-//! What a scene has and lacks, and what is therefore done or left out.
+//! Features that a scene has or lacks, and the work that is therefore done or left out.
 
 use mlt_core::transport::scene::{Lens, Needs};
 use serde::Serialize;
@@ -14,69 +14,48 @@ pub struct Feature {
     pub therefore: &'static str,
 }
 
-/// All features, in the order of [`Needs`].
+/// Name of each feature, in the order of [`Needs`], and the consequences of having it and of lacking it.
+const FEATURES: [(&str, [&str; 2]); 10] = [
+    (
+        "mirrors and clear glass",
+        [
+            "chains perturb caustics, and what only chance meets is a part of path space",
+            "no caustic perturbation, no parts of path space for images of lights",
+        ],
+    ),
+    ("transparency", ["shadow rays ask the opacity of what they meet", "shadow rays end at the first surface"]),
+    ("light from all around", ["rays that leave the scene bring light", "rays that leave the scene end there"]),
+    (
+        "lamps with a cone",
+        ["what such a lamp emits depends on the direction", "surfaces emit alike into all directions"],
+    ),
+    ("coloured glass", ["light weakens on its way through solids", "no ray asks what it goes through"]),
+    (
+        "points, spots and suns without size",
+        ["paths are connected to them, since no ray can meet them", "every light can be met by a ray"],
+    ),
+    (
+        "suns with a size",
+        [
+            "rays that leave the scene may meet them, and their discs are cut into strata",
+            "no ray looks for a sun's disc",
+        ],
+    ),
+    ("textures", ["materials are looked up at every point", "materials are constants"]),
+    ("normal maps", ["shading normals are bent by images", "shading normals are those of the meshes"]),
+    ("depth of field", ["paths draw a point on the lens", "no number is drawn for the lens"]),
+];
+
+/// All features.
 pub fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
-    // A need without a line here does not compile.
+    // A need that is not named here does not compile.
     let Needs { specular, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps } = needs;
-    let feature = |name, present, [has, lacks]: [&'static str; 2]| Feature {
-        name,
-        present,
-        therefore: if present { has } else { lacks },
-    };
-    vec![
-        feature(
-            "mirrors and clear glass",
-            specular,
-            [
-                "chains perturb caustics, and what only chance meets is a part of path space",
-                "no caustic perturbation, no parts of path space for images of lights",
-            ],
-        ),
-        feature(
-            "transparency",
-            veils,
-            ["shadow rays ask the opacity of what they meet", "shadow rays end at the first surface"],
-        ),
-        feature(
-            "light from all around",
-            environment,
-            ["rays that leave the scene bring light", "rays that leave the scene end there"],
-        ),
-        feature(
-            "lamps with a cone",
-            cones,
-            ["what such a lamp emits depends on the direction", "surfaces emit alike into all directions"],
-        ),
-        feature(
-            "coloured glass",
-            absorbs,
-            ["light weakens on its way through solids", "no ray asks what it goes through"],
-        ),
-        feature(
-            "points, spots and suns without size",
-            punctual,
-            ["paths are connected to them, since no ray can meet them", "every light can be met by a ray"],
-        ),
-        feature(
-            "suns with a size",
-            suns,
-            [
-                "rays that leave the scene may meet them, and their discs are cut into strata",
-                "no ray looks for a sun's disc",
-            ],
-        ),
-        feature("textures", textured, ["materials are looked up at every point", "materials are constants"]),
-        feature(
-            "normal maps",
-            normal_maps,
-            ["shading normals are bent by images", "shading normals are those of the meshes"],
-        ),
-        feature(
-            "depth of field",
-            matches!(lens, Lens::Thin { .. }),
-            ["paths draw a point on the lens", "no number is drawn for the lens"],
-        ),
-    ]
+    let depth = matches!(lens, Lens::Thin { .. });
+    let present = [specular, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps, depth];
+    let features = FEATURES.into_iter().zip(present);
+    features
+        .map(|((name, [has, lacks]), present)| Feature { name, present, therefore: if present { has } else { lacks } })
+        .collect()
 }
 
 /// The names of those that a scene has.

@@ -165,32 +165,8 @@ const STRATA_SHOWN: usize = 16;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let with_rate = |count: u64| {
-            let count = count as f64;
-            format!("{} ({} per second)", short(count), short(count / self.seconds.max(f64::MIN_POSITIVE)))
-        };
-        writeln!(
-            f,
-            "{}: {}, strata {}, {}x{}, seed {}",
-            self.scene, self.method, self.transport.strata, self.width, self.height, self.transport.seed
-        )?;
-        writeln!(f, "  camera          {}", self.camera)?;
-        let threads = if self.threads == 1 { "thread" } else { "threads" };
-        write!(f, "  time            {:.2} s, {} {threads}", self.seconds, self.threads)?;
-        self.cpu_seconds.map_or(Ok(()), |cpu| write!(f, ", {cpu:.2} s of processor time"))?;
-        write!(f, "\n  rounds          {}", self.rounds)?;
-        if self.first_round > 0 {
-            write!(f, " from number {}", self.first_round)?;
-        }
-        writeln!(f)?;
-        if self.mutations > 0 {
-            writeln!(f, "  mutations       {}", with_rate(self.mutations))?;
-        }
-        writeln!(f, "  samples         {}", with_rate(self.samples))?;
-        writeln!(f, "  rays            {}", with_rate(self.rays))?;
-        if self.pilot_rays > 0 {
-            writeln!(f, "  pilot           {} mutations, {} rays", self.pilot_mutations, self.pilot_rays)?;
-        }
+        self.write_render(f)?;
+        self.write_work(f)?;
         self.decision.as_ref().map_or(Ok(()), |decision| write!(f, "{decision}"))?;
         write!(f, "{}", self.acceptance)?;
         writeln!(f, "  b               {} ± {}", number(self.b), number(self.b_stderr))?;
@@ -215,6 +191,41 @@ impl Report {
     pub fn set_time(&mut self, spent: Spent) {
         self.seconds = spent.clock.as_secs_f64();
         self.cpu_seconds = spent.processors.map(|time| time.as_secs_f64());
+    }
+
+    /// Which render it is of, and how long that took.
+    fn write_render(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}: {}, strata {}, {}x{}, seed {}",
+            self.scene, self.method, self.transport.strata, self.width, self.height, self.transport.seed
+        )?;
+        writeln!(f, "  camera          {}", self.camera)?;
+        let threads = if self.threads == 1 { "thread" } else { "threads" };
+        write!(f, "  time            {:.2} s, {} {threads}", self.seconds, self.threads)?;
+        self.cpu_seconds.map_or(Ok(()), |cpu| write!(f, ", {cpu:.2} s of processor time"))?;
+        write!(f, "\n  rounds          {}", self.rounds)?;
+        if self.first_round > 0 {
+            write!(f, " from number {}", self.first_round)?;
+        }
+        writeln!(f)
+    }
+
+    /// How much was done, and how fast.
+    fn write_work(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let with_rate = |count: u64| {
+            let count = count as f64;
+            format!("{} ({} per second)", short(count), short(count / self.seconds.max(f64::MIN_POSITIVE)))
+        };
+        if self.mutations > 0 {
+            writeln!(f, "  mutations       {}", with_rate(self.mutations))?;
+        }
+        writeln!(f, "  samples         {}", with_rate(self.samples))?;
+        writeln!(f, "  rays            {}", with_rate(self.rays))?;
+        if self.pilot_rays > 0 {
+            writeln!(f, "  pilot           {} mutations, {} rays", self.pilot_mutations, self.pilot_rays)?;
+        }
+        Ok(())
     }
 
     /// How many strata there were, if a cut was asked for.

@@ -1,4 +1,4 @@
-//! What follows from a verdict for whoever renders the scene.
+//! Advice that follows from a verdict for whoever renders the scene.
 
 use super::verdict::{Status, Verdict};
 use crate::args::written::shell_word;

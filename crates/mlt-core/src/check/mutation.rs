@@ -33,10 +33,8 @@ where
     let mut of_mutations: Vec<_> = mixture.mutations().iter().map(|_| OfMutation::default()).collect();
     for trial in 0..trials.count {
         let stream = |purpose| generator(trials.seed, purpose, 0, 0, trial);
-        let mut states = Vec::new();
-        stratum.sample(&mut stream(Purpose::Sample), &mut |path: &P, weight| states.push((path.clone(), weight)));
         let rng = &mut stream(Purpose::Chain);
-        for (x, weight) in states {
+        for (x, weight) in samples(stratum, &mut stream(Purpose::Sample)) {
             let value = importance.eval(&x);
             if !(value > 0.0 && weight > 0.0) {
                 continue;
@@ -56,6 +54,13 @@ where
     }
     report.expect(Law::Stationary, &kept, |bin| format!("bin {bin} after {STEPS} steps"));
     report
+}
+
+/// Samples of a stratum, with their weights.
+fn samples<P: Path>(stratum: &impl Stratum<P>, rng: &mut Generator) -> Vec<(P, f64)> {
+    let mut samples = Vec::new();
+    stratum.sample(rng, &mut |path: &P, weight| samples.push((path.clone(), weight)));
+    samples
 }
 
 /// Swallows deposits.

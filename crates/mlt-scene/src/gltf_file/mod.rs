@@ -44,7 +44,7 @@ use texture::Files;
 /// The remedy for a file that contradicts itself.
 const CHECK: &str = "export the scene again or check it with a glTF validator";
 
-/// What a file has at any time of its animations, to be read once.
+/// Data that a file has at any time of its animations, to be read once.
 #[derive(Debug, Default)]
 pub(crate) struct Kept {
     parsed: Option<Parsed>,

@@ -9,7 +9,7 @@ use crate::{
 use gltf::{
     Document,
     json::{
-        Path, Root, deserialize,
+        Path, Root,
         validation::{Error, Validate},
     },
 };
@@ -66,8 +66,9 @@ fn trimmed(json: &[u8]) -> &[u8] {
     json.iter().rposition(|&byte| byte != 0).map_or(&[], |last| &json[..=last])
 }
 
+/// The parser that the library was compiled with: another one of JSON values would be as large as the rest of this crate.
 fn root(json: &[u8]) -> Result<Root, serde_json::Error> {
-    deserialize::from_slice(json).or_else(|error| relaxed(json).ok_or(error))
+    Root::from_slice(json).or_else(|error| relaxed(json).ok_or(error))
 }
 
 /// Why a document is not glTF 2.0: it may be of the first version, which has another shape, or else as the parser says.
@@ -96,7 +97,8 @@ fn relaxed(json: &[u8]) -> Option<Root> {
         channels.into_iter().for_each(|channels| channels.retain(moves_a_node));
     });
     write_integers(&mut document);
-    deserialize::from_value(document.clone()).or_else(|_| deserialize::from_value(at_rest(document))).ok()
+    let again = |document: &Value| Root::from_slice(&serde_json::to_vec(document).ok()?).ok();
+    again(&document).or_else(|| again(&at_rest(document)))
 }
 
 /// Whether a channel of an animation moves a node; others move what extensions say.

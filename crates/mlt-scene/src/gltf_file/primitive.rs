@@ -41,6 +41,76 @@ impl<'a> TextureData<'a> {
     }
 }
 
+/// The triangles of a primitive in world space.
+struct Surface<'a, 's> {
+    vertices: Vertices<'a, 's>,
+    /// Counter-clockwise from the front.
+    triangles: Vec<[u32; 3]>,
+    /// The linear map of the first corner.
+    linear: DMat3,
+}
+
+impl<'a, 's> Surface<'a, 's> {
+    /// `None`: there are none.
+    fn read(
+        reader: &mut Reader<'a>,
+        primitive: &Primitive,
+        standing: &'s Standing,
+        (place, warnings): (&str, &mut Vec<String>),
+    ) -> Result<Option<Self>, SceneError> {
+        let Some(positions) = primitive.get(&Semantic::Positions) else {
+            warnings.push(format!("{place}: there are no positions; it is left out: export the mesh again"));
+            return Ok(None);
+        };
+        check_compression(reader, primitive, &positions)?;
+        let positions = reader.vectors(&positions)?;
+        let vertices = Vertices::read(reader, primitive, positions, standing, (place, warnings))?;
+        let corners = corners(reader, primitive, vertices.count(), place)?;
+        let Some(mut triangles) = triangles(primitive.mode(), &corners) else {
+            warnings.push(format!("{place}: points and lines are not supported; they are left out: make meshes of them (Blender: Object > Convert > Mesh)"));
+            return Ok(None);
+        };
+        let linear = corners.first().map_or(DMat3::IDENTITY, |&first| vertices.linear(first));
+        if is_mirrored(linear) {
+            triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        Ok(Some(Self { vertices, triangles, linear }))
+    }
+
+    /// A mesh of them; `None`: all are degenerate.
+    fn mesh(self, name: String, data: &TextureData, warnings: &mut Vec<String>) -> Option<Mesh> {
+        let Self { vertices, triangles, linear } = self;
+        let vertices = &vertices;
+        let uv = data.uv.each_ref().map(|set| set.as_deref().map(|set| move |i: u32| Vec2::from(set.at::<2>(i))));
+        let colour = data.colours.as_deref().map(|colours| move |i: u32| rgba(colours, i));
+        let handedness = if is_mirrored(linear) { -1.0 } else { 1.0 };
+        let tangent = data.tangents.as_deref().map(|tangents| {
+            move |i: u32| {
+                let [x, y, z, w] = tangents.at::<4>(i);
+                let tangent = vertices.linear(i) * DVec3::from_array([x, y, z].map(f64::from));
+                tangent.normalize_or_zero().as_vec3().extend(w * handedness)
+            }
+        });
+        let raw = RawMesh {
+            name,
+            triangles,
+            position: |i| vertices.position(i),
+            normal: vertices.have_normals().then_some(|i| vertices.normal(i).as_vec3()),
+            attributes: Attributes {
+                uv: uv.each_ref().map(|set| set.as_ref().map(|set| set as &dyn Fn(u32) -> Vec2)),
+                colour: colour.as_ref().map(|colour| colour as &dyn Fn(u32) -> Vec4),
+                tangent: tangent.as_ref().map(|tangent| tangent as &dyn Fn(u32) -> Vec4),
+            },
+        };
+        raw.finish(warnings)
+    }
+}
+
+/// Whether a map turns the triangles' front to the back.
+fn is_mirrored(linear: DMat3) -> bool {
+    linear.determinant() < 0.0
+}
+
 /// The primitive in world space; `None`: it has no triangles. `textured`: whether its material reads textures or colours.
 pub(super) fn mesh(
     reader: &mut Reader,
@@ -50,49 +120,14 @@ pub(super) fn mesh(
     warnings: &mut Vec<String>,
 ) -> Result<Option<Mesh>, SceneError> {
     let place = format!("{}, primitive {}", place(node), primitive.index());
-    let Some(positions) = primitive.get(&Semantic::Positions) else {
-        warnings.push(format!("{place}: there are no positions; it is left out: export the mesh again"));
-        return Ok(None);
-    };
-    check_compression(reader, primitive, &positions)?;
-    let positions = reader.vectors(&positions)?;
-    let vertices = &Vertices::read(reader, primitive, positions, standing, (&place, warnings))?;
-    let corners = corners(reader, primitive, vertices.count(), &place)?;
-    let Some(mut triangles) = triangles(primitive.mode(), &corners) else {
-        warnings.push(format!("{place}: points and lines are not supported; they are left out: make meshes of them (Blender: Object > Convert > Mesh)"));
-        return Ok(None);
-    };
-    let linear = corners.first().map_or(DMat3::IDENTITY, |&first| vertices.linear(first));
-    let mirrored = linear.determinant() < 0.0;
-    if mirrored {
-        triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    }
+    let Some(surface) = Surface::read(reader, primitive, standing, (&place, warnings))? else { return Ok(None) };
     let data = match textured {
-        true => TextureData::read(reader, primitive, vertices.count())?,
+        true => TextureData::read(reader, primitive, surface.vertices.count())?,
         false => TextureData::default(),
     };
-    let uv = data.uv.each_ref().map(|set| set.as_deref().map(|set| move |i: u32| Vec2::from(set.at::<2>(i))));
-    let colour = data.colours.as_deref().map(|colours| move |i: u32| rgba(colours, i));
-    let handedness = if mirrored { -1.0 } else { 1.0 };
-    let tangent = data.tangents.as_deref().map(|tangents| {
-        move |i: u32| {
-            let [x, y, z, w] = tangents.at::<4>(i);
-            let tangent = vertices.linear(i) * DVec3::from_array([x, y, z].map(f64::from));
-            tangent.normalize_or_zero().as_vec3().extend(w * handedness)
-        }
-    });
-    let raw = RawMesh {
-        name: node.name().or_else(|| node.mesh()?.name()).map_or_else(|| place.clone(), str::to_owned),
-        triangles,
-        position: |i| vertices.position(i),
-        normal: vertices.have_normals().then_some(|i| vertices.normal(i).as_vec3()),
-        attributes: Attributes {
-            uv: uv.each_ref().map(|set| set.as_ref().map(|set| set as &dyn Fn(u32) -> Vec2)),
-            colour: colour.as_ref().map(|colour| colour as &dyn Fn(u32) -> Vec4),
-            tangent: tangent.as_ref().map(|tangent| tangent as &dyn Fn(u32) -> Vec4),
-        },
-    };
-    let mut mesh = raw.finish(warnings);
+    let name = node.name().or_else(|| node.mesh()?.name()).map_or(place, str::to_owned);
+    let linear = surface.linear;
+    let mut mesh = surface.mesh(name, &data, warnings);
     if let (Some(mesh), Some(set)) = (&mut mesh, Slots::of(&primitive.material()).tangents()) {
         tangents::add(mesh, set, linear);
     }

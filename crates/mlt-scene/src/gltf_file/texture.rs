@@ -197,7 +197,7 @@ pub(super) struct Files<'a> {
 }
 
 impl<'a> Files<'a> {
-    /// What an anisotropy's strength means in this file: Blender writes its own number.
+    /// Meaning of an anisotropy's strength in this file: Blender writes its own number.
     pub(super) fn stretch(&self) -> Stretch {
         let generator = self.parsed.document.as_json().asset.generator.as_deref().unwrap_or_default();
         if generator.contains("Blender") { Stretch::Balanced } else { Stretch::OneSided }

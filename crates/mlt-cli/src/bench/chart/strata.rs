@@ -20,36 +20,14 @@ pub(crate) fn strata(strata: &[(f64, f64, f64)], method: usize) -> Option<String
     if b <= 0.0 || n <= 0.0 {
         return None;
     }
-    let top = strata.iter().map(|stratum| ((stratum.0 + stratum.1) / b).max(stratum.2 / n)).fold(0.0, f64::max);
-    let (bottom, step) = (HEIGHT - BOTTOM, (WIDTH - LEFT - 8.0) / strata.len() as f64);
-    let y = |share: f64| bottom - share / top * (bottom - TOP);
+    let largest = strata.iter().map(|stratum| ((stratum.0 + stratum.1) / b).max(stratum.2 / n)).fold(0.0, f64::max);
+    let scale = Scale { largest, b, n, step: (WIDTH - LEFT - 8.0) / strata.len() as f64 };
     let mut svg = format!(
-        "<svg class=\"chart strata\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"shares of {} strata\">\n",
-        strata.len()
+        "<svg class=\"chart strata\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"shares of {} strata\">\n{}",
+        strata.len(),
+        scale.grid()
     );
-    for share in [0.0, 0.5 * top, top] {
-        let (at, label) = (y(share), format!("{:.*} %", if top < 0.1 { 1 } else { 0 }, 100.0 * share));
-        let right = WIDTH - 8.0;
-        let _ = writeln!(svg, "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>");
-        let (x, y) = (LEFT - 6.0, at + 4.0);
-        let _ = writeln!(svg, "<text class=\"tick\" x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\">{label}</text>");
-    }
-    let class = class(method);
-    for (j, &(b_j, stderr, n_j)) in strata.iter().enumerate() {
-        let (left, width) = (LEFT + j as f64 * step, 0.8 * step);
-        let (high, height) = (y(b_j / b), bottom - y(b_j / b));
-        let _ = writeln!(
-            svg,
-            "<rect class=\"bar {class}\" x=\"{left:.2}\" y=\"{high:.1}\" width=\"{width:.2}\" height=\"{height:.1}\">\
-             <title>stratum {j}: b {} ± {}, n {}</title></rect>",
-            significant(b_j),
-            significant(stderr),
-            significant(n_j)
-        );
-        let (middle, low, up) = (left + 0.5 * width, y((b_j - stderr) / b), y((b_j + stderr) / b));
-        let _ = writeln!(svg, "<path class=\"whisker\" d=\"M{middle:.2} {low:.1}V{up:.1}\"/>");
-        let _ = writeln!(svg, "<path class=\"share\" d=\"M{left:.2} {:.1}h{width:.2}\"/>", y(n_j / n));
-    }
+    svg.extend(strata.iter().enumerate().map(|(j, &stratum)| scale.bar(j, stratum, class(method))));
     let (x, y) = (0.5 * (LEFT + WIDTH), HEIGHT - 8.0);
     let _ = writeln!(
         svg,
@@ -57,6 +35,54 @@ pub(crate) fn strata(strata: &[(f64, f64, f64)], method: usize) -> Option<String
         strata.len() - 1
     );
     Some(svg + "</svg>")
+}
+
+/// From strata to points of the chart.
+struct Scale {
+    /// The largest share.
+    largest: f64,
+    /// Sum of b_j.
+    b: f64,
+    /// Sum of n_j.
+    n: f64,
+    /// Distance between bars.
+    step: f64,
+}
+
+impl Scale {
+    /// Height of a share.
+    fn y(&self, share: f64) -> f64 {
+        HEIGHT - BOTTOM - share / self.largest * (HEIGHT - BOTTOM - TOP)
+    }
+
+    /// Lines at three shares, with their names.
+    fn grid(&self) -> String {
+        let (mut svg, right, x) = (String::new(), WIDTH - 8.0, LEFT - 6.0);
+        for share in [0.0, 0.5 * self.largest, self.largest] {
+            let (at, digits) = (self.y(share), if self.largest < 0.1 { 1 } else { 0 });
+            let (y, label) = (at + 4.0, format!("{:.digits$} %", 100.0 * share));
+            let _ = writeln!(svg, "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>");
+            let _ = writeln!(svg, "<text class=\"tick\" x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\">{label}</text>");
+        }
+        svg
+    }
+
+    /// The bar of a stratum.
+    fn bar(&self, j: usize, (b_j, stderr, n_j): (f64, f64, f64), class: &str) -> String {
+        let (left, width, high) = (LEFT + j as f64 * self.step, 0.8 * self.step, self.y(b_j / self.b));
+        let (height, middle) = (self.y(0.0) - high, left + 0.5 * width);
+        let (low, up) = (self.y((b_j - stderr) / self.b), self.y((b_j + stderr) / self.b));
+        format!(
+            "<rect class=\"bar {class}\" x=\"{left:.2}\" y=\"{high:.1}\" width=\"{width:.2}\" height=\"{height:.1}\">\
+             <title>stratum {j}: b {} ± {}, n {}</title></rect>\n\
+             <path class=\"whisker\" d=\"M{middle:.2} {low:.1}V{up:.1}\"/>\n\
+             <path class=\"share\" d=\"M{left:.2} {:.1}h{width:.2}\"/>\n",
+            significant(b_j),
+            significant(stderr),
+            significant(n_j),
+            self.y(n_j / self.n)
+        )
+    }
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use super::{
 pub(super) struct Lead {
     /// The scene.
     pub scene: String,
-    /// What all methods were given.
+    /// The work that all methods were given.
     pub budget: String,
     /// The method.
     pub name: String,
@@ -27,7 +27,7 @@ pub(super) struct Lead {
     pub factor: String,
     /// The factor's 95 % confidence interval; empty if unknown.
     pub interval: String,
-    /// What that says.
+    /// The meaning of that.
     pub verdict: &'static str,
 }
 

@@ -5,8 +5,8 @@
 //! box is widened by 16 εM. The quotients have relative errors of at most 3 ε each; the far ones are multiplied by
 //! 1 + 8 ε. Both are folded into the ray, once, and cost nothing a box.
 
+use super::segment::Segment;
 use super::simd::{Simd, splat3};
-use super::traverse::Segment;
 use super::wide::Node;
 use glam::Vec3A;
 

@@ -41,32 +41,15 @@ pub(super) fn cluster(boxes: &[Aabb], search: Search) -> (Bvh2, bool) {
     bvh.primitive_indices = (0..boxes.len() as u32).collect();
     let (mut passes, mut stalled) = (0, false);
     while clusters.len() > 1 {
-        let reach = if passes < search.short_passes { 1 } else { search.reach };
-        let choices: Vec<_> =
-            (0..clusters.len()).into_par_iter().with_min_len(512).map(|i| partner(&clusters, i, reach)).collect();
-        let agree = |i: usize| choices[choices[i]] == i;
-        let pairs = (0..clusters.len()).filter(|&i| choices[i] < i && agree(i)).count();
-        let stalls = clusters.len() > FEW && pairs * STALLED < clusters.len();
-        let choice = |i: usize| match stalls {
-            true => (i ^ 1).min(clusters.len() - 1),
-            false => {
-                if agree(i) {
-                    choices[i]
-                } else {
-                    i
-                }
-            }
-        };
+        let (partners, stalls) = partners(&clusters, if passes < search.short_passes { 1 } else { search.reach });
         let mut next = Vec::with_capacity(clusters.len());
-        for (i, cluster) in clusters.iter().enumerate() {
-            match choice(i) {
-                other if other > i => {}
-                other if other == i => next.push(*cluster),
-                other => {
-                    free -= 2;
-                    (bvh.nodes[free], bvh.nodes[free + 1]) = (*cluster, clusters[other]);
-                    next.push(Bvh2Node::new(cluster.aabb().union(clusters[other].aabb()), 0, free as u32));
-                }
+        for (i, &partner) in partners.iter().enumerate() {
+            if partner == i {
+                next.push(clusters[i]);
+            } else if partner < i {
+                free -= 2;
+                (bvh.nodes[free], bvh.nodes[free + 1]) = (clusters[i], clusters[partner]);
+                next.push(Bvh2Node::new(clusters[i].aabb().union(clusters[partner].aabb()), 0, free as u32));
             }
         }
         clusters = next;
@@ -80,8 +63,23 @@ pub(super) fn cluster(boxes: &[Aabb], search: Search) -> (Bvh2, bool) {
     (bvh, stalled)
 }
 
+/// With which cluster each one is joined, itself where it waits for the next pass, and whether the pass stalls.
+fn partners(clusters: &[Bvh2Node], reach: usize) -> (Vec<usize>, bool) {
+    let count = clusters.len();
+    let choices: Vec<_> = (0..count).into_par_iter().with_min_len(512).map(|i| choice(clusters, i, reach)).collect();
+    let agree = |i: usize| choices[choices[i]] == i;
+    let pairs = (0..count).filter(|&i| choices[i] < i && agree(i)).count();
+    let stalls = count > FEW && pairs * STALLED < count;
+    let partner = |i: usize| match stalls {
+        true => (i ^ 1).min(count - 1),
+        false if agree(i) => choices[i],
+        false => i,
+    };
+    ((0..count).map(partner).collect(), stalls)
+}
+
 /// The neighbour with which cluster `i` has the smallest box; of equals, the last.
-fn partner(clusters: &[Bvh2Node], i: usize, reach: usize) -> usize {
+fn choice(clusters: &[Bvh2Node], i: usize, reach: usize) -> usize {
     let own = clusters[i].aabb();
     let neighbours = (i.saturating_sub(reach)..clusters.len().min(i + reach + 1)).filter(|&other| other != i);
     let mut best = (f32::INFINITY, i);

@@ -5,8 +5,9 @@
 
 use super::binary::over_boxes;
 use super::collapse::fold;
+use super::segment::Segment;
 use super::simd::Simd;
-use super::traverse::{Leaves, Segment, Structure, any_hit, nearest_hit};
+use super::traverse::{Leaves, Structure, any_hit, nearest_hit};
 use super::wide::{Child, WIDTH, WideTree};
 use super::{Accel, Quality};
 use crate::transport::geometry::{Hit, Placement, Ray};

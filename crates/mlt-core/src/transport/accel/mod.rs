@@ -4,7 +4,7 @@
 //!
 //! * `binary`: a binary tree over the triangles, one to a leaf, is built from clusters (`cluster`) and improved by a library;
 //! * `collapse`: dynamic programming folds it into the cheapest 8-wide tree (`wide` is its layout);
-//! * `traverse`: a ray walks that tree, eight boxes or eight triangles at a time (`boxes` tests the boxes, `stack` keeps those
+//! * `traverse`: a ray (`segment`) walks that tree, eight boxes or eight triangles at a time (`boxes` tests the boxes, `stack` keeps those
 //!   that are left, `simd` is the arithmetic, `watertight` the triangle test and the accurate hit, `coarse` the same for triangles
 //!   of a very different size);
 //! * `instances`: a tree of the same kind over copies of shapes, which share the shapes' trees.
@@ -22,6 +22,7 @@ mod cluster;
 mod coarse;
 mod collapse;
 mod instances;
+mod segment;
 mod simd;
 mod stack;
 mod traverse;

@@ -12,7 +12,7 @@
 
 use super::albedo_table::{BENT, COLUMNS, LACKING, ROWS};
 use super::microfacet;
-use super::microfacet::Ggx;
+use super::microfacet::{Ggx, Microfacets};
 use glam::Vec3A;
 
 /// x(μ).
@@ -93,7 +93,7 @@ impl Lacking {
 
 /// Directional albedo of microfacets that reflect, from tables.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Albedo {
+pub struct Albedo {
     alpha: f32,
     row: usize,
     /// Of the next row, ∈ [0, 1].

@@ -8,8 +8,9 @@
 //!
 //! Source: [Heitz14], section 5.3.
 
-use super::fresnel::reflect;
-use super::microfacet::{GRAZING, Reflection, half, visible_cap};
+use super::albedo::Lacking;
+use super::brushed;
+use super::microfacet::{GRAZING, Microfacets, Reflection, half, visible_cap};
 use crate::transport::geometry::math::{cross, unit};
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
@@ -45,31 +46,31 @@ impl AnisotropicGgx {
         FRAC_1_PI / (self.alphas[0] * self.alphas[1] * t * t)
     }
 
-    /// As of [`Ggx`](super::microfacet::Ggx).
+    /// G₂/G₁(a), the share of what `a` sees that leaves along `b`, both about n = z; 0 where b is below.
+    pub(super) fn unmasked(self, a: Vec3A, b: Vec3A) -> f32 {
+        let (ra, rb) = (self.root(self.local(Vec3A::Z, a)), self.root(self.local(Vec3A::Z, b)));
+        (b.z * (a.z + ra) / (a.z * rb + b.z * ra)).max(0.0)
+    }
+}
+
+impl Microfacets for AnisotropicGgx {
+    type Albedo = ();
+
     #[inline]
-    pub fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
+    fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
         let (h, cos_half) = half(n, a, b)?;
         let (ca, cb) = (n.dot(a).abs(), n.dot(b).abs());
         let (ra, rb) = (self.root(self.local(n, a)), self.root(self.local(n, b)));
         Some(Reflection::new(self.d(self.local(n, h)), cos_half, [ca, cb], [ra, rb]))
     }
 
-    /// As of [`Ggx`](super::microfacet::Ggx).
     #[inline]
-    pub fn sample_reflection(self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
-        let r = reflect(given, self.sample_normal(n, given, u)?);
-        (n.dot(r) * 1f32.copysign(n.dot(given)) > GRAZING).then_some(r)
+    fn lacking(self, (): &(), n: Vec3A, direction: Vec3A) -> Lacking {
+        brushed::lacking(self.alphas, self.local(n, direction))
     }
 
-    /// G₂/G₁(a), the share of what `a` sees that leaves along `b`, both about n = z; 0 where b is below.
-    pub(super) fn unmasked(self, a: Vec3A, b: Vec3A) -> f32 {
-        let (ra, rb) = (self.root(self.local(Vec3A::Z, a)), self.root(self.local(Vec3A::Z, b)));
-        (b.z * (a.z + ra) / (a.z * rb + b.z * ra)).max(0.0)
-    }
-
-    /// A normal on the side of `v` with density D_v; `None`: `v` is tangent.
     #[inline]
-    pub(super) fn sample_normal(self, n: Vec3A, v: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
+    fn sample_normal(self, n: Vec3A, v: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
         let n = n * 1f32.copysign(n.dot(v));
         let [x, y, z] = self.local(n, v);
         if z.is_nan() || z <= GRAZING {

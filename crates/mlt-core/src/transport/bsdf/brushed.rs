@@ -1,4 +1,4 @@
-//! Microfacets of a brushed surface with all that is known of them.
+//! Microfacets of a brushed surface with all that is known of them at their two roughnesses.
 //!
 //! E and B (see [`albedo`](super::albedo)) depend on α_t, α_b, μ = cosθ and the azimuth. They are interpolated from tables that are made
 //! when the first brushed surface is, in 0.3 s, over √α_t, √α_b and
@@ -9,9 +9,9 @@
 
 use super::albedo::{Lacking, bracket, cosine_average, lattice_average, lerp};
 use super::anisotropic::AnisotropicGgx;
-use super::facets::Microfacets;
+use super::facets::Facets;
 use super::fresnel::reflect;
-use super::microfacet::{GRAZING, Ggx, Reflection};
+use super::microfacet::{GRAZING, Ggx, Microfacets};
 use super::spread::Spread;
 use glam::Vec3A;
 use std::f32::consts::FRAC_PI_2;
@@ -26,48 +26,13 @@ const TURNS: usize = 7;
 /// Least α: rounding of directions in f32 resolves the lobe.
 const LEAST: f32 = 1e-4;
 
-/// Microfacets along a direction of the surface, what one scattering by them lacks, and where the rest goes.
-#[derive(Clone, Copy, Debug)]
-pub struct Brushed {
-    ggx: AnisotropicGgx,
-    spread: Spread,
-    /// ∫₀¹ · 2μ dμ of what is lacking, in the mean over azimuths.
-    mean: Lacking,
-}
-
-impl Brushed {
-    /// With α_t along the unit vector `tangent`, and α_b across it.
-    pub fn new(tangent: Vec3A, alphas: [f32; 2]) -> Self {
+impl Facets<AnisotropicGgx> {
+    /// Of a brushed surface, with α_t along the unit vector `tangent`, and α_b across it.
+    pub fn brushed(tangent: Vec3A, alphas: [f32; 2]) -> Self {
         let alphas = alphas.map(|alpha| alpha.clamp(LEAST, 1.0));
         let widest = Ggx { alpha: alphas[0].max(alphas[1]) };
-        Self { ggx: AnisotropicGgx { tangent, alphas }, spread: Spread::new(widest), mean: mean(alphas) }
-    }
-}
-
-impl Microfacets for Brushed {
-    #[inline]
-    fn reflection(&self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
-        self.ggx.reflection(n, a, b)
-    }
-
-    #[inline]
-    fn sample_reflection(&self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
-        self.ggx.sample_reflection(n, given, u)
-    }
-
-    #[inline]
-    fn lacking(&self, n: Vec3A, direction: Vec3A) -> Lacking {
-        lacking(self.ggx.alphas, self.ggx.local(n, direction))
-    }
-
-    #[inline]
-    fn mean(&self) -> Lacking {
-        self.mean
-    }
-
-    #[inline]
-    fn spread(&self) -> Spread {
-        self.spread
+        let ggx = AnisotropicGgx { tangent, alphas };
+        Self { ggx, albedo: (), spread: Spread::new(widest), mean: mean(alphas) }
     }
 }
 
@@ -142,7 +107,7 @@ fn direction(cos: f32, x: f32, y: f32) -> Vec3A {
 }
 
 /// Lacking energy for a direction in local coordinates, on either side.
-fn lacking(alphas: [f32; 2], [x, y, z]: [f32; 3]) -> Lacking {
+pub(super) fn lacking(alphas: [f32; 2], [x, y, z]: [f32; 3]) -> Lacking {
     let (x, y, cos) = (x.abs(), y.abs(), z.abs().clamp(GRAZING, 1.0));
     let [along, across] = [alphas[0] * x, alphas[1] * y];
     let column = (cos / (cos + (along * along + across * across).sqrt())).sqrt();

@@ -2,9 +2,9 @@
 
 use super::Evaluation;
 use super::albedo::Lacking;
-use super::facets::{Facets, Microfacets};
+use super::facets::Facets;
 use super::fresnel::{schlick, schlick_average};
-use super::microfacet::{GRAZING, Ggx};
+use super::microfacet::{GRAZING, Ggx, Microfacets};
 use crate::transport::colour::Rgb;
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
@@ -16,13 +16,13 @@ use std::f32::consts::FRAC_1_PI;
 ///
 /// Source: Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
 #[derive(Clone, Copy, Debug)]
-pub struct Conductor<F = Facets> {
+pub struct Conductor<D: Microfacets = Ggx> {
     /// F₀ ∈ [0, 1], reflectance at normal incidence.
     pub f0: Rgb,
     /// F₉₀ ∈ [0, 1], reflectance at grazing angles.
     pub f90: f32,
     /// Microfacets.
-    pub facets: F,
+    pub facets: Facets<D>,
     /// The greatest channel of F̄.
     average: f32,
     /// F_m.
@@ -48,14 +48,14 @@ impl Conductor {
     /// [`Self::albedo`] at a direction of this cosine.
     #[inline]
     pub(super) fn albedo_at(&self, cos: f32) -> Rgb {
-        self.albedo(self.facets.table.at(cos))
+        self.albedo(self.facets.albedo.at(cos))
     }
 }
 
-impl<F: Microfacets> Conductor<F> {
+impl<D: Microfacets> Conductor<D> {
     /// The same of microfacets that are known already.
-    pub fn of(f0: Rgb, f90: f32, facets: F) -> Self {
-        let lacking = facets.mean().white;
+    pub fn of(f0: Rgb, f90: f32, facets: Facets<D>) -> Self {
+        let lacking = facets.mean.white;
         let f = schlick_average(f0, f90);
         Self {
             f0,
@@ -76,7 +76,7 @@ impl<F: Microfacets> Conductor<F> {
 
     /// Mean over the hemisphere of [`Self::albedo`], weighted by cosθ.
     pub(super) fn mean_albedo(&self) -> Rgb {
-        self.albedo(self.facets.mean())
+        self.albedo(self.facets.mean)
     }
 
     /// Light reflected once and again, if F were F̄ everywhere, over F̄: sampled in this proportion.
@@ -88,13 +88,13 @@ impl<F: Microfacets> Conductor<F> {
     /// `None`: not on one side.
     #[inline]
     pub(super) fn meet(&self, n: Vec3A, to_light: Vec3A, to_eye: Vec3A) -> Option<Met> {
-        let single = self.facets.reflection(n, to_light, to_eye)?;
+        let single = self.facets.ggx.reflection(n, to_light, to_eye)?;
         let cos = [n.dot(to_light).abs(), n.dot(to_eye).abs()];
         let lacking = [to_light, to_eye].map(|v| self.facets.lacking(n, v));
         let multiple = self.scale * lacking[0].white * lacking[1].white;
         let pdf = |given: usize, sampled: usize| {
             let [once, again] = self.shares(lacking[given].white);
-            (once * single.pdf[sampled] + again * self.facets.spread().pdf(cos[sampled])) / (once + again)
+            (once * single.pdf[sampled] + again * self.facets.spread.pdf(cos[sampled])) / (once + again)
         };
         let evaluation = Evaluation {
             value: schlick(self.f0, self.f90, single.cos_half) * single.value + self.multiple * multiple,
@@ -116,9 +116,9 @@ impl<F: Microfacets> Conductor<F> {
         let cos = n.dot(given);
         let [once, again] = self.shares(self.facets.lacking(n, given).white);
         if cos.abs() > GRAZING && u[2] * (once + again) < again {
-            Some(self.facets.spread().sample(n * 1f32.copysign(cos), [u[0], u[1]]))
+            Some(self.facets.spread.sample(n * 1f32.copysign(cos), [u[0], u[1]]))
         } else {
-            self.facets.sample_reflection(n, given, [u[0], u[1]])
+            self.facets.ggx.sample_reflection(n, given, [u[0], u[1]])
         }
     }
 }

@@ -2,64 +2,28 @@
 
 use super::albedo::{Albedo, Lacking};
 use super::albedo_table::ROWS;
-use super::microfacet::{Ggx, Reflection};
+use super::microfacet::{Ggx, Microfacets};
 use super::spread::Spread;
 use glam::Vec3A;
 use std::sync::LazyLock;
 
 /// Microfacets, what one scattering by them lacks, and where the rest goes.
 #[derive(Clone, Copy, Debug)]
-pub struct Facets {
+pub struct Facets<D: Microfacets = Ggx> {
     /// Their distribution.
-    pub ggx: Ggx,
-    pub(super) table: Albedo,
+    pub ggx: D,
+    pub(super) albedo: D::Albedo,
+    /// Directions about as light leaves that they scatter more than once.
     pub(super) spread: Spread,
-    /// ∫₀¹ · 2μ dμ of what is lacking.
+    /// ∫₀¹ · 2μ dμ of what is lacking, in the mean over azimuths.
     pub(super) mean: Lacking,
 }
 
-/// Microfacets that reflect, what one scattering by them lacks, and where the rest goes.
-pub trait Microfacets: Copy {
-    /// How they mirror `a` into `b`; `None`: not on one side.
-    fn reflection(&self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection>;
-
-    /// `given` mirrored about a normal that it sees; density: [`Reflection::pdf`]; `None`: it would go below the surface.
-    fn sample_reflection(&self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A>;
-
-    /// The energy that is lacking at a direction.
-    fn lacking(&self, n: Vec3A, direction: Vec3A) -> Lacking;
-
-    /// Its mean over the hemisphere, ∫₀¹ · 2μ dμ.
-    fn mean(&self) -> Lacking;
-
-    /// Directions about as light leaves that they scatter more than once.
-    fn spread(&self) -> Spread;
-}
-
-impl Microfacets for Facets {
+impl<D: Microfacets> Facets<D> {
+    /// The energy that one scattering lacks at a direction.
     #[inline]
-    fn reflection(&self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
-        self.ggx.reflection(n, a, b)
-    }
-
-    #[inline]
-    fn sample_reflection(&self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
-        self.ggx.sample_reflection(n, given, u)
-    }
-
-    #[inline]
-    fn lacking(&self, n: Vec3A, direction: Vec3A) -> Lacking {
-        self.table.at(n.dot(direction).abs())
-    }
-
-    #[inline]
-    fn mean(&self) -> Lacking {
-        self.mean
-    }
-
-    #[inline]
-    fn spread(&self) -> Spread {
-        self.spread
+    pub(super) fn lacking(&self, n: Vec3A, direction: Vec3A) -> Lacking {
+        self.ggx.lacking(&self.albedo, n, direction)
     }
 }
 
@@ -76,8 +40,8 @@ static MEANS: LazyLock<Vec<Lacking>> = LazyLock::new(|| {
 impl Facets {
     /// With means by quadrature.
     pub fn new(ggx: Ggx) -> Self {
-        let table = Albedo::new(ggx);
-        Self { ggx, table, spread: Spread::new(ggx), mean: table.average() }
+        let albedo = Albedo::new(ggx);
+        Self { ggx, albedo, spread: Spread::new(ggx), mean: albedo.average() }
     }
 
     /// With means from a table: a hundredth of the time, for roughness that varies over a surface.
@@ -86,7 +50,7 @@ impl Facets {
         let position = ggx.alpha.sqrt() * (means.len() - 1) as f32;
         let node = (position as usize).min(means.len() - 2);
         let mean = means[node].towards(means[node + 1], position - node as f32);
-        Self { ggx, table: Albedo::new(ggx), spread: Spread::new(ggx), mean }
+        Self { ggx, albedo: Albedo::new(ggx), spread: Spread::new(ggx), mean }
     }
 }
 

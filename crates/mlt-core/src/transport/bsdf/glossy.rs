@@ -1,6 +1,6 @@
 //! Dielectric coat over a diffuse base.
 
-use super::facets::{Facets, Microfacets};
+use super::microfacet::{Ggx, Microfacets};
 use super::{Conductor, Evaluation, Lambert, choose};
 use crate::transport::colour::Rgb;
 use glam::{Vec2, Vec3A};
@@ -13,18 +13,18 @@ use std::f32::consts::FRAC_1_PI;
 /// Source: Kelemen & Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling",
 /// Eurographics 2001. Left out: light that the coat sends back to the base takes the base's colour no more than once.
 #[derive(Clone, Copy, Debug)]
-pub struct Glossy<F = Facets> {
+pub struct Glossy<D: Microfacets = Ggx> {
     /// The base's ρ.
     pub base: Lambert,
     /// F₀, F₉₀ and microfacets of the coat.
-    pub coat: Conductor<F>,
+    pub coat: Conductor<D>,
     /// ρ/(π t̄), sr⁻¹.
     scale: Rgb,
 }
 
-impl<F: Microfacets> Glossy<F> {
+impl<D: Microfacets> Glossy<D> {
     /// A coat over a base.
-    pub fn new(base: Lambert, coat: Conductor<F>) -> Self {
+    pub fn new(base: Lambert, coat: Conductor<D>) -> Self {
         // Where the coat lets nothing through, t̄ is a rounding error.
         let through = (Rgb::ONE - coat.mean_albedo()).max(Rgb::splat(1e-6));
         let scale = base.reflectance * FRAC_1_PI / through;

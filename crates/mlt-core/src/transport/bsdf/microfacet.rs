@@ -10,15 +10,39 @@
 //!
 //! Sources: [Walter07], [Heitz14]. Light that meets the surface more than once: `albedo`.
 
+use super::albedo::{Albedo, Lacking};
 use super::fresnel::reflect;
 use crate::transport::geometry::math::{cross, frame, turn, unit};
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
+use std::fmt::Debug;
 
 /// Directions with a cosine up to this, a few roundings of a dot product, count as tangent and scatter nothing.
 pub const GRAZING: f32 = 1e-6;
 
-/// Distribution of microfacet normals.
+/// A distribution of the normals of microfacets that reflect.
+pub trait Microfacets: Copy + Debug {
+    /// Kept for one roughness, to find the energy that one scattering lacks.
+    type Albedo: Copy + Debug;
+
+    /// How they mirror `a` into `b`; `None`: not on one side.
+    fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection>;
+
+    /// A normal on the side of `v` with density D_v; `None`: `v` is tangent.
+    fn sample_normal(self, n: Vec3A, v: Vec3A, u: [f32; 2]) -> Option<Vec3A>;
+
+    /// The energy that one scattering lacks at a direction.
+    fn lacking(self, albedo: &Self::Albedo, n: Vec3A, direction: Vec3A) -> Lacking;
+
+    /// `given` mirrored about a normal that it sees; density: [`Reflection::pdf`]; `None`: it would go below the surface.
+    #[inline]
+    fn sample_reflection(self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
+        let r = reflect(given, self.sample_normal(n, given, u)?);
+        (n.dot(r) * 1f32.copysign(n.dot(given)) > GRAZING).then_some(r)
+    }
+}
+
+/// The same distribution along all directions of the surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Ggx {
     /// α ∈ [10⁻⁶, 1], slope that half of the microfacets' area stays below; glTF's roughness².
@@ -70,32 +94,32 @@ impl Ggx {
         2.0 / (cos + self.root(cos))
     }
 
-    /// How microfacets mirror `a` into `b`; `None`: not on one side.
-    #[inline]
-    pub fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
-        let (h, cos_half) = half(n, a, b)?;
-        let (ca, cb) = (n.dot(a).abs(), n.dot(b).abs());
-        let (ra, rb) = (self.root(ca), self.root(cb));
-        Some(Reflection::new(self.d(n, h), cos_half, [ca, cb], [ra, rb]))
-    }
-
-    /// `given` mirrored about a normal that it sees; density: [`Reflection::pdf`]; `None`: it would go below the surface.
-    #[inline]
-    pub fn sample_reflection(self, n: Vec3A, given: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
-        let r = reflect(given, self.sample_normal(n, given, u)?);
-        (n.dot(r) * 1f32.copysign(n.dot(given)) > GRAZING).then_some(r)
-    }
-
     /// G₂/G₁(a), the share of what `a` sees that leaves along `b`, on one side; 0 where b is below.
     #[inline]
     pub fn unmasked(self, cos_a: f32, cos_b: f32) -> f32 {
         let (ra, rb) = (self.root(cos_a), self.root(cos_b));
         (cos_b * (cos_a + ra) / (cos_a * rb + cos_b * ra)).max(0.0)
     }
+}
 
-    /// A normal on the side of `v` with density D_v; `None`: `v` is tangent.
+impl Microfacets for Ggx {
+    type Albedo = Albedo;
+
     #[inline]
-    pub fn sample_normal(self, n: Vec3A, v: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
+    fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
+        let (h, cos_half) = half(n, a, b)?;
+        let (ca, cb) = (n.dot(a).abs(), n.dot(b).abs());
+        let (ra, rb) = (self.root(ca), self.root(cb));
+        Some(Reflection::new(self.d(n, h), cos_half, [ca, cb], [ra, rb]))
+    }
+
+    #[inline]
+    fn lacking(self, albedo: &Albedo, n: Vec3A, direction: Vec3A) -> Lacking {
+        albedo.at(n.dot(direction).abs())
+    }
+
+    #[inline]
+    fn sample_normal(self, n: Vec3A, v: Vec3A, u: [f32; 2]) -> Option<Vec3A> {
         let n = n * 1f32.copysign(n.dot(v));
         let cos = n.dot(v);
         if cos.is_nan() || cos <= GRAZING {

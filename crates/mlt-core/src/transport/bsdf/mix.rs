@@ -1,6 +1,7 @@
 //! Blend of lobes.
 
-use super::{Brushed, Bsdf, Conductor, Evaluation, Glossy, Lambert, RoughDielectric, RoughThin, choose};
+use super::anisotropic::AnisotropicGgx;
+use super::{Bsdf, Conductor, Evaluation, Glossy, Lambert, RoughDielectric, RoughThin, choose};
 use glam::{Vec2, Vec3A};
 
 /// A part of a surface's scattering that is not delta.
@@ -13,9 +14,9 @@ pub enum Lobe {
     /// Dielectric coat over a diffuse base.
     Glossy(Glossy),
     /// Metal that is rougher along one direction than across it.
-    BrushedMetal(Conductor<Brushed>),
+    BrushedMetal(Conductor<AnisotropicGgx>),
     /// The same of a coat over a diffuse base.
-    BrushedCoat(Glossy<Brushed>),
+    BrushedCoat(Glossy<AnisotropicGgx>),
     /// Rough interface to a medium on the back side.
     RoughDielectric(RoughDielectric),
     /// Rough thin transparent wall.

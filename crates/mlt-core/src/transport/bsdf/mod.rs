@@ -19,6 +19,7 @@ mod albedo_table;
 mod anisotropic;
 mod brushed;
 mod conductor;
+mod conversion;
 mod dielectric;
 mod facets;
 pub mod fresnel;
@@ -37,19 +38,20 @@ mod spread;
 #[cfg(test)]
 mod tests;
 mod thin;
+mod varying;
 
 use crate::transport::colour::Rgb;
 use glam::{Vec2, Vec3A};
 
 pub use anisotropic::AnisotropicGgx;
-pub use brushed::Brushed;
 pub use conductor::Conductor;
+pub use conversion::{MIXED_ALPHA, SMOOTH_ALPHA};
 pub use dielectric::Dielectric;
-pub use facets::{Facets, Microfacets};
+pub use facets::Facets;
 pub use glossy::Glossy;
 pub use lambert::Lambert;
 pub use layered::{Coat, Layered};
-pub use metallic_roughness::{Anisotropy, Directions, MIXED_ALPHA, MetallicRoughness, SMOOTH_ALPHA, Stretch, Varying};
+pub use metallic_roughness::{Anisotropy, MetallicRoughness, Stretch};
 pub use mirror::Mirror;
 pub use mix::{Lobe, Mix};
 pub use rough_dielectric::{RoughDielectric, RoughGlass};
@@ -57,6 +59,7 @@ pub use rough_interface::RoughInterface;
 pub use rough_thin::RoughThin;
 pub use sheen::Sheen;
 pub use thin::{Thin, slab_reflectance};
+pub use varying::{Directions, Varying};
 
 /// Value of a BSDF for two directions.
 #[derive(Clone, Copy, Debug, PartialEq)]

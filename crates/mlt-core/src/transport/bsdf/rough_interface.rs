@@ -3,7 +3,7 @@
 use super::Evaluation;
 use super::albedo::visible_average;
 use super::fresnel::{dielectric, reflect, refract};
-use super::microfacet::{GRAZING, Ggx};
+use super::microfacet::{GRAZING, Ggx, Microfacets};
 use crate::transport::colour::Rgb;
 use glam::Vec3A;
 

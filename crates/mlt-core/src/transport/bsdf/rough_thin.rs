@@ -4,7 +4,7 @@ use super::albedo::cosine_average;
 use super::facets::Facets;
 use super::fresnel::reflect;
 use super::metallic_roughness::INDEX_MATCHED;
-use super::microfacet::{GRAZING, Ggx};
+use super::microfacet::{GRAZING, Ggx, Microfacets};
 use super::thin::slab_reflectance;
 use super::{Evaluation, RoughDielectric, choose};
 use crate::transport::colour::Rgb;
@@ -75,7 +75,7 @@ impl RoughThin {
             false => (1.0 - r, 1.0 - self.reflected, self.tint),
         };
         let cos = [n.dot(to_light).abs(), n.dot(to_eye).abs()];
-        let lacking = cos.map(|cos| self.facets.table.at(cos).white);
+        let lacking = cos.map(|cos| self.facets.albedo.at(cos).white);
         let pdf = |given: usize, sampled: usize| {
             let multiple = lacking[given] * again * self.facets.spread.pdf(cos[sampled]);
             (1.0 - lacking[given]) * once * single.pdf[sampled] + multiple
@@ -93,7 +93,7 @@ impl RoughThin {
     pub fn sample(&self, n: Vec3A, given: Vec3A, u: [f32; 3]) -> Option<Vec3A> {
         let h = self.facets.ggx.sample_normal(n, given, [u[0], u[1]])?;
         let side = n * 1f32.copysign(n.dot(given));
-        let (multiple, rest) = choose(u[2], self.facets.table.at(side.dot(given)).white);
+        let (multiple, rest) = choose(u[2], self.facets.albedo.at(side.dot(given)).white);
         let (r, reflected) = if multiple {
             (self.facets.spread.sample(side, [u[0], u[1]]), self.reflected)
         } else {

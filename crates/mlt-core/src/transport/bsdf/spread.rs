@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_1_PI;
 ///
 /// Beyond the angles at which the surface shadows itself, cosθ ≈ α, what is scattered twice falls like 1/cos²θ.
 #[derive(Clone, Copy, Debug)]
-pub struct Spread {
+pub(super) struct Spread {
     alpha2: f32,
     /// ln(1 + 1/α²).
     log: f32,

@@ -1,5 +1,6 @@
 //! Laws that every [`Bsdf`] keeps: densities, reciprocity, energy, finite numbers.
 
+use super::microfacet::Microfacets;
 use super::*;
 use crate::transport::colour::Rgb;
 use rand_pcg::Pcg64Mcg;
@@ -180,7 +181,7 @@ mod rough {
     /// A metal, and a coat over a base, both ten times as rough along a direction as across it, but no more than 1.
     fn brushed(alpha: f32, swap: bool) -> Bsdf {
         let alphas = [(10.0 * alpha).min(1.0), alpha];
-        let facets = Brushed::new(tangent(), if swap { [alphas[1], alphas[0]] } else { alphas });
+        let facets = Facets::brushed(tangent(), if swap { [alphas[1], alphas[0]] } else { alphas });
         let coat = Glossy::new(Lambert { reflectance: TINT }, Conductor::of(Rgb::splat(0.04), 1.0, facets));
         let metal = Lobe::BrushedMetal(Conductor::of(TINT, 1.0, facets));
         Bsdf::Mix(Mix { lobes: [(0.3, Some(Lobe::BrushedCoat(coat))), (0.7, Some(metal)), (0.0, None)] })
@@ -364,7 +365,7 @@ mod rough {
         }
     }
 
-    /// What leaves along `eye` under radiance η² from everywhere is what a beam that comes along `eye` scatters.
+    /// Light that leaves along `eye` under radiance η² from everywhere is as much as a beam that comes along `eye` scatters.
     #[test]
     fn energy_is_kept_and_sampling_agrees_with_quadrature() {
         let n = normal();
@@ -464,7 +465,7 @@ mod rough {
     fn white_is_white_where_it_is_brushed() {
         let (n, mut isotropic) = (normal(), 0.0f64);
         for [along, across] in [[0.3, 0.3], [1.0, 0.25], [0.57, 0.16], [0.1, 0.8], [0.4, 0.01]] {
-            let facets = Brushed::new(tangent(), [along, across]);
+            let facets = Facets::brushed(tangent(), [along, across]);
             let metal = Conductor::of(Rgb::ONE, 1.0, facets);
             let plastic = Glossy::new(Lambert { reflectance: Rgb::ONE }, Conductor::of(Rgb::splat(0.04), 1.0, facets));
             let lobes = [(Lobe::BrushedMetal(metal), 7e-3), (Lobe::BrushedCoat(plastic), 2e-2)];
@@ -522,7 +523,7 @@ mod rough {
         let (n, mut rng) = (normal(), Pcg64Mcg::seed_from_u64(4));
         for alpha in [0.05, 0.3, 0.9] {
             let metal = Conductor::new(TINT, 1.0, Ggx { alpha });
-            let brushed = Conductor::of(TINT, 1.0, Brushed::new(tangent(), [alpha; 2]));
+            let brushed = Conductor::of(TINT, 1.0, Facets::brushed(tangent(), [alpha; 2]));
             for _ in 0..1000 {
                 let e = direction(n, uniform(&mut rng));
                 let Some(l) = metal.sample(n, e, uniform3(&mut rng)) else { continue };
@@ -633,7 +634,7 @@ fn finite_whatever_the_input() {
     for i in 0..1_000_000 {
         let n = random_direction(&mut rng, Vec3A::X, Vec3A::X);
         let alphas = [factor(&mut rng), factor(&mut rng)];
-        let facets = Brushed::new(n.any_orthonormal_vector(), alphas);
+        let facets = Facets::brushed(n.any_orthonormal_vector(), alphas);
         let brushed = Bsdf::from(Lobe::BrushedMetal(Conductor::of(Rgb::new(0.9, 0.5, 0.0), 1.0, facets)));
         let b = if i % 8 == 0 { &brushed } else { &bsdfs[i % bsdfs.len()] };
         let given = random_direction(&mut rng, n, n);

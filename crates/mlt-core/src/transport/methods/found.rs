@@ -1,4 +1,4 @@
-//! What pilots find, as bytes.
+//! Findings of pilots, as bytes.
 
 use crate::engine::{DecodeError, LEAST_SAMPLES, Reader, Share, put, put_list};
 

@@ -139,14 +139,14 @@ pub(super) fn set_sensitivity(vertices: &mut [PathVertex], view: &View) -> Optio
 }
 
 /// Emitted radiance at x_0, and the density, per solid angle, of the direction that a light subpath starts into.
-/// `None`: nothing.
+/// `None`: nothing, or in the plane of the light, where rounding puts a direction drawn in some ten million: cosθ = 0 there.
 #[inline(always)]
 pub(crate) fn emission(view: &View, x: &Vertex, to_eye: Vec3A) -> Option<Evaluation> {
     if !x.emits {
         return None;
     }
     let (value, pdf_to_eye) = (view.scene.emitted(x, to_eye), view.scene.pdf_emission(x, to_eye));
-    (value != Rgb::ZERO).then_some(Evaluation { value, pdf_to_eye, pdf_to_light: 0.0 })
+    (value != Rgb::ZERO && pdf_to_eye > 0.0).then_some(Evaluation { value, pdf_to_eye, pdf_to_light: 0.0 })
 }
 
 /// f_s and densities at a surface; `None`: nothing.
@@ -161,4 +161,31 @@ pub(crate) fn sensitivity(view: &View, lens: &Vertex, to_light: Vec3A) -> Option
     let camera = view.camera;
     let (value, pdf_to_light) = (Rgb::splat(camera.w_e(to_light)), camera.pdf(to_light));
     (lens.geometric_normal.dot(to_light) > 0.0).then_some(Evaluation { value, pdf_to_eye: 0.0, pdf_to_light })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transport::lights::LightRegion;
+    use crate::transport::tests::worlds::{Builder, quad};
+    use glam::DVec3;
+
+    /// Whether a lamp at height 0 that emits upwards, and downwards too or not, emits into a direction.
+    fn emits(both_sides: bool, direction: Vec3A) -> bool {
+        let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|[x, z]| DVec3::new(x, 0.0, z));
+        let lamp = Builder::default().light(quad(corners), Rgb::ONE, both_sides);
+        let world = lamp.seen(DVec3::new(0.0, 1.0, 3.0), DVec3::ZERO, 1.0, [4, 4]);
+        let view = world.view();
+        let point = LightRegion::whole(view.scene.lights()).sample(0.3, 0.6);
+        emission(&view, &view.scene.light_point(&point).1, direction).is_some()
+    }
+
+    #[test]
+    fn a_lamp_emits_nothing_in_its_own_plane() {
+        for both_sides in [false, true] {
+            assert!(!emits(both_sides, Vec3A::X), "in the plane");
+            assert!(emits(both_sides, Vec3A::Y), "upwards");
+            assert_eq!(emits(both_sides, -Vec3A::Y), both_sides, "downwards");
+        }
+    }
 }

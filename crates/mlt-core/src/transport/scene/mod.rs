@@ -1,5 +1,6 @@
 //! The scene as the renderer uses it.
 
+mod build;
 mod camera;
 mod check;
 mod copies;
@@ -20,14 +21,14 @@ mod view;
 mod way;
 
 use crate::transport::accel::Accel;
-use crate::transport::geometry::{Hit, LIGHT, Ray, Space, Sphere, Vertex, points};
-use check::{check, drop_invisible, drop_unusable};
+use crate::transport::geometry::{Hit, LIGHT, Ray, Space, Sphere, Vertex};
 use copies::Shape;
-use glam::{DVec3, Vec3, Vec3A};
+use glam::{DVec3, Vec3A};
 use std::cell::Cell;
 use triangles::Triangles;
 use way::Way;
 
+pub use build::SceneGeometry;
 pub use camera::{Camera, CameraPose, CameraRay, Lens};
 pub use check::UnusableScene;
 pub use description::{Prototype, SceneDescription, SurfaceName};
@@ -64,13 +65,6 @@ pub struct Scene {
     needs: Needs,
 }
 
-/// Triangles, and the acceleration structure that was built for them.
-#[derive(Debug)]
-pub struct SceneGeometry {
-    triangles: Vec<[Vec3; 3]>,
-    accel: Accel,
-}
-
 thread_local! {
     static RAYS: Cell<u64> = const { Cell::new(0) };
 }
@@ -98,86 +92,6 @@ impl Scene {
 
     /// Further memory for a triangle with texture coordinates and its share of their vertices, at most, bytes.
     pub const BYTES_PER_TEXTURED_TRIANGLE: u64 = 160;
-
-    /// Builds the acceleration structure and finds the lights.
-    ///
-    /// # Errors
-    /// If there is no triangle or no light, or a mesh refers to what is not there.
-    pub fn new(description: SceneDescription) -> Result<Self, UnusableScene> {
-        Self::with_geometry(description, None)
-    }
-
-    /// The same of another scene's acceleration structure, if that was built for the same triangles.
-    ///
-    /// # Errors
-    /// As for [`new`](Self::new).
-    pub fn with_geometry(
-        mut description: SceneDescription,
-        geometry: Option<SceneGeometry>,
-    ) -> Result<Self, UnusableScene> {
-        check(&description)?;
-        let dropped = description.all_meshes_mut().map(drop_unusable).sum();
-        drop_invisible(&mut description);
-        let needs = Needs::of(&description);
-        let SceneDescription { meshes, prototypes, materials, .. } = &description;
-        let of_copies = prototypes.iter().flat_map(Prototype::corners);
-        let space = Space::around(points(meshes).chain(of_copies.clone()));
-        let triangles = Triangles::new(meshes, materials, &space);
-        if triangles.primitives.is_empty() && prototypes.is_empty() {
-            return Err(UnusableScene::NoTriangle);
-        }
-        let corners = triangles.corners();
-        let mut lights = Lights::new(meshes, materials, &description.textures, &corners);
-        let without_surface = needs.environment || needs.punctual || needs.suns;
-        if lights.lights.is_empty() && !without_surface {
-            return Err(UnusableScene::NoLight);
-        }
-        let overlaps = triangles.overlaps().map(|pair| pair.map(|mesh| description.surface_name(mesh))).collect();
-        let sphere =
-            Sphere::around(corners.iter().flatten().copied().chain(of_copies.map(|corner| space.point(corner))));
-        let (shapes, copies) = Shape::all(&description, &space, corners.len() as u32);
-        let attributes = match needs.textured {
-            true => Attributes::take(description.all_meshes_mut()),
-            false => Attributes::default(),
-        };
-        (description.meshes, description.prototypes) = (Vec::new(), Vec::new());
-        let SceneDescription { mut materials, textures, environment, punctual, .. } = description;
-        materials.iter_mut().for_each(|material| material.absorption /= space.length(1.0));
-        let environment = environment.filter(|_| needs.environment);
-        let background = environment.as_ref().is_none_or(|environment| environment.visible);
-        lights = lights.and_punctual(&punctual, &space, sphere);
-        if let Some(environment) = environment {
-            lights = lights.surrounded(environment, sphere);
-        }
-        if without_surface {
-            materials.push(Material::default());
-        }
-        let accel = match geometry {
-            Some(SceneGeometry { triangles: built, accel }) if built == corners => accel,
-            _ => Accel::new(&corners),
-        };
-        let accel = accel.with_copies(copies);
-        Ok(Self {
-            accel,
-            triangles,
-            shapes,
-            materials,
-            textures,
-            attributes,
-            lights,
-            space,
-            sphere,
-            background,
-            overlaps,
-            dropped,
-            needs,
-        })
-    }
-
-    /// Keeps the triangles and their acceleration structure, for a scene that may have the same; `None` of one with copies.
-    pub fn into_geometry(self) -> Option<SceneGeometry> {
-        self.shapes.is_empty().then(|| SceneGeometry { triangles: self.triangles.corners(), accel: self.accel })
-    }
 
     /// A camera in this scene, for images of `size` pixels.
     pub fn camera(&self, pose: &CameraPose, size: [u32; 2]) -> Camera {

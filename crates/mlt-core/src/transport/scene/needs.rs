@@ -46,4 +46,9 @@ impl Needs {
             normal_maps: any(|material| material.textured.as_ref().is_some_and(|t| t.maps.normal.is_some())),
         }
     }
+
+    /// Whether there is a light that is no surface of the scene.
+    pub(super) fn light_without_surface(&self) -> bool {
+        self.environment || self.punctual || self.suns
+    }
 }

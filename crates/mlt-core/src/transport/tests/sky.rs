@@ -131,7 +131,7 @@ fn power_is_the_integral_of_exitance() {
     }
 }
 
-/// What one technique alone makes of the light that a floor reflects at once: the mean over samples, and its standard error. Densities
+/// One technique's estimate of the light that a floor reflects at once: the mean over samples, and its standard error. Densities
 /// are taken `wrong`(path) times too large.
 fn alone(world: &World, s: usize, wrong: impl Fn(&LightPath) -> f64) -> [f64; 2] {
     let (view, region) = (world.view(), LightRegion::whole(world.scene.lights()));

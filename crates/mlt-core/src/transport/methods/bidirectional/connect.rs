@@ -4,10 +4,11 @@
 //! connection adds what depends on its edge. [`Bidirectional::sample`] finds the same from whole paths.
 
 use super::sampler::{Bidirectional, Carried, LightSubpath, Scratch, Subpath};
+use crate::engine::OwenSobol;
 use crate::transport::bsdf::Evaluation;
+use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::methods::independent::ImageSampler;
-use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::mis::{self, Ends, square};
 use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd, PathVertex, emission, scattering, sensitivity};
 use glam::{DVec3, Vec2};
@@ -134,15 +135,21 @@ impl Bidirectional<'_> {
         let back = (per_area(at_y.pdf_to_light, 0), at_x.pdf_to_light);
         let others = earlier_techniques(light, ends, back, from_light.others)
             + later_techniques(eye, (forward, at_y.pdf_to_eye), from_eye.others, 1.0);
-        let scattered = scene.attenuated(at_x.value * at_y.value, &x.vertex, &y.vertex);
-        let scattered = match s {
-            1 => scattered,
-            _ => scene.attenuated(scattered, &light[s - 2].vertex, &x.vertex),
-        };
         let value = from_light.throughput
             * from_eye.throughput
-            * scattered.as_dvec3()
+            * self.attenuated(at_x.value * at_y.value, light, y).as_dvec3()
             * (edge.geometric_term() / (1.0 + others / square(ends.preference(s))));
         Some((pixel, value))
+    }
+
+    /// A product of scattering at both ends of an edge, weakened on it and on the light subpath's last edge.
+    #[inline(always)]
+    fn attenuated(&self, scattered: Rgb, light: &[PathVertex], y: &PathVertex) -> Rgb {
+        let (scene, x) = (self.view.scene, &light[light.len() - 1].vertex);
+        let on_edge = scene.attenuated(scattered, x, &y.vertex);
+        match light {
+            [.., before, _] => scene.attenuated(on_edge, &before.vertex, x),
+            _ => on_edge,
+        }
     }
 }

@@ -50,7 +50,7 @@ impl<'a> PrimaryChains<'a> {
         }
     }
 
-    /// What was found before the first round, as bytes.
+    /// Findings before the first round, as bytes.
     pub(super) fn found(&self, shares: &[Share], pilot: PilotCounts) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.importance.write(&mut bytes);

@@ -88,7 +88,7 @@ fn each_side_has_one_lamp() {
     }
 }
 
-/// What is opaque hides glass that touches it, and what is small lies upon what is large.
+/// An opaque surface hides glass that touches it, and a small one lies upon a large one.
 #[test]
 fn a_wall_behind_glass_and_a_rug_on_a_floor_are_seen() {
     let lamp = |b: Builder| b.light(slab(-1.0, [-0.95, -0.95], 0.04, true), Rgb::ONE, false);

@@ -9,12 +9,16 @@
 //!
 //! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the distance to the camera.
 
-use super::follow::{SUITABILITY, perturb_from_light};
+use super::follow::{SUITABILITY, TURN, Towards, next_direction, ratio, turned};
 use super::lens::first_diffuse;
 use crate::engine::Mutation;
+use crate::transport::geometry::Vertex;
+use crate::transport::geometry::math::frame;
 use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::LightPath;
-use crate::transport::scene::View;
+use crate::transport::paths::subpath::follow_from_light;
+use crate::transport::scene::{Resolved, View};
+use glam::Vec3A;
 use rand_pcg::rand_core::Rng;
 
 /// Turns the direction that a caustic comes from.
@@ -45,4 +49,54 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for CausticPerturbation<'_> {
     ) -> Option<f64> {
         perturb_from_light(&self.view, current, proposal, first_diffuse(current, current.edges() - 1), rng)
     }
+}
+
+/// Replaces x_{l+1} … x_{k−1} by perturbed vertices, from the light's side: what leaves x_l is turned, or moved aside if x_l is distant. Then
+/// connects x_{k−1} to the camera and returns T(y→x)/T(x→y).
+pub(super) fn perturb_from_light(
+    view: &View,
+    current: &LightPath,
+    proposal: &mut LightPath,
+    l: usize,
+    rng: &mut impl Rng,
+) -> Option<f64> {
+    let last = current.edges();
+    proposal.clone_from(current);
+    for i in l..last - 1 {
+        let x = &current.vertices[i];
+        let ray = if i > l {
+            let direction = next_direction(view, [current, proposal], i, Towards::Eye, rng)?;
+            proposal.vertices[i].vertex.ray(direction)
+        } else if x.vertex.is_distant() {
+            moved_aside(view, [&x.vertex, &current.vertices[i + 1].vertex], rng)
+        } else {
+            x.vertex.ray(turned(x.to_eye, rng))
+        };
+        follow_from_light(&mut proposal.vertices, i, ray, view, rng)?;
+    }
+    proposal.connect(view, last, l..=last)?;
+    Some(ratio([current, proposal], l + 1..last, |path, i| density_from_light(view, path, i, l)))
+}
+
+/// The ray of a distant vertex that meets `x_1`, moved aside as a turn would move it at a distance of the scene's radius. The density per
+/// area of the disc that the ray starts on depends on the distance alone, so it is that of the way back.
+fn moved_aside(view: &View, [x, x_1]: [&Vertex; 2], rng: &mut impl Rng) -> (Vec3A, Vec3A) {
+    let (direction, sphere) = (-x.position, view.scene.sphere());
+    let (distance, towards) = TURN.draw(rng);
+    let (s, t) = frame(direction);
+    let through = x_1.position + sphere.radius * distance * (towards.x * s + towards.y * t);
+    (sphere.start_of_ray(direction, through), direction)
+}
+
+/// q_i of x_i traced from x_{i−1}, where the direction out of x_l is turned.
+fn density_from_light(view: &View, path: &LightPath, i: usize, l: usize) -> f64 {
+    let (x, before) = (&path.vertices[i], &path.vertices[i - 1]);
+    if i - 1 == l {
+        return before.per_area_there(1.0);
+    }
+    let given = -path.vertices[i - 2].to_eye;
+    x.forward
+        / f64::from(
+            view.scene.surface(&before.vertex, &mut Resolved::default()).event_probability(given, before.to_eye),
+        )
 }

@@ -10,46 +10,30 @@
 //!
 //! Source: [VeachGuibas97], section 5.3.3.
 
-use super::follow::{ByAngle, FromEye, SUITABILITY};
-use crate::engine::Mutation;
-use crate::transport::methods::metropolis::stratum::LightStratum;
+use super::follow::ByAngle;
+use super::from_eye::{EyePerturbation, FromEye};
 use crate::transport::paths::LightPath;
-use crate::transport::scene::View;
 use rand_pcg::rand_core::Rng;
 
 /// Moves the camera ray.
+pub type LensPerturbation<'a> = EyePerturbation<'a, Lens>;
+
+/// Keeps what lies behind the first diffuse vertex.
 #[derive(Clone, Copy, Debug)]
-pub struct LensPerturbation<'a> {
-    from_eye: FromEye<'a>,
-}
+pub struct Lens;
 
-impl<'a> LensPerturbation<'a> {
-    /// For the paths of a view.
-    pub fn new(view: View<'a>) -> Self {
-        Self { from_eye: FromEye::new(view) }
-    }
-}
+impl FromEye for Lens {
+    const NAME: &'static str = "lens";
+    type Turn = ByAngle;
 
-impl<'a> Mutation<LightPath, LightStratum<'a>> for LensPerturbation<'_> {
-    fn name(&self) -> &'static str {
-        "lens"
-    }
-
-    /// Positive for paths of its form, else 0.
-    fn suitability(&self, current: &LightPath) -> f64 {
+    /// To paths whose first diffuse vertex can be connected to the one before it, or is a light.
+    fn applies(current: &LightPath) -> bool {
         let m = first_diffuse(current, current.edges());
-        let connects = m == 0 || !current.vertices[m - 1].vertex.delta;
-        if connects { SUITABILITY } else { 0.0 }
+        m == 0 || !current.vertices[m - 1].vertex.delta
     }
 
-    fn propose(
-        &self,
-        current: &LightPath,
-        proposal: &mut LightPath,
-        within: &LightStratum<'a>,
-        rng: &mut impl Rng,
-    ) -> Option<f64> {
-        self.from_eye.perturb::<ByAngle>(current, proposal, first_diffuse(current, current.edges()), within, rng)
+    fn draw_end(current: &LightPath, _: &mut impl Rng) -> usize {
+        first_diffuse(current, current.edges())
     }
 }
 
@@ -65,6 +49,7 @@ pub(super) fn first_diffuse(path: &LightPath, i: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::Mutation;
     use crate::transport::colour::Rgb;
     use crate::transport::lights::Stratification;
     use crate::transport::scene::Resolved;

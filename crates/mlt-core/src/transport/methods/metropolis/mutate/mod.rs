@@ -3,6 +3,7 @@
 mod bidirectional;
 mod caustic;
 mod follow;
+mod from_eye;
 mod lens;
 mod multi_chain;
 pub(in crate::transport::methods) mod perturbations;

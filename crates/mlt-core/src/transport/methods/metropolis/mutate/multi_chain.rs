@@ -15,51 +15,39 @@
 //! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the image. Added: chains without a
 //! specular vertex, and chains that go on where they could end.
 
-use super::follow::{ByAngle, FromEye, SUITABILITY};
+use super::follow::ByAngle;
+use super::from_eye::{EyePerturbation, FromEye};
 use super::lens::first_diffuse;
-use crate::engine::{Mutation, uniform};
-use crate::transport::methods::metropolis::stratum::LightStratum;
+use crate::engine::uniform;
 use crate::transport::paths::LightPath;
-use crate::transport::scene::View;
 use rand_pcg::rand_core::Rng;
 
 /// Probability of moving another diffuse vertex, where there is one besides the light's.
 const FURTHER: f64 = 0.5;
 
 /// Moves the camera ray and turns the directions behind it.
+pub type MultiChainPerturbation<'a> = EyePerturbation<'a, MultiChain>;
+
+/// Turns directions by angles.
 #[derive(Clone, Copy, Debug)]
-pub struct MultiChainPerturbation<'a> {
-    from_eye: FromEye<'a>,
-}
+pub struct MultiChain;
 
-impl<'a> MultiChainPerturbation<'a> {
-    /// For the paths of a view.
-    pub fn new(view: View<'a>) -> Self {
-        Self { from_eye: FromEye::new(view) }
+impl FromEye for MultiChain {
+    const NAME: &'static str = "multi-chain";
+    type Turn = ByAngle;
+
+    fn applies(current: &LightPath) -> bool {
+        goes_on(current)
+    }
+
+    fn draw_end(current: &LightPath, rng: &mut impl Rng) -> usize {
+        choose_end(current, rng)
     }
 }
 
-impl<'a> Mutation<LightPath, LightStratum<'a>> for MultiChainPerturbation<'_> {
-    fn name(&self) -> &'static str {
-        "multi-chain"
-    }
-
-    /// Positive for paths with another vertex to move behind the first diffuse one, else 0.
-    fn suitability(&self, current: &LightPath) -> f64 {
-        let m = first_diffuse(current, current.edges());
-        if m >= 2 { SUITABILITY } else { 0.0 }
-    }
-
-    fn propose(
-        &self,
-        current: &LightPath,
-        proposal: &mut LightPath,
-        within: &LightStratum<'a>,
-        rng: &mut impl Rng,
-    ) -> Option<f64> {
-        let m = choose_end(current, rng);
-        self.from_eye.perturb::<ByAngle>(current, proposal, m, within, rng)
-    }
+/// Whether a path has another vertex to move behind the first diffuse one.
+pub(super) fn goes_on(path: &LightPath) -> bool {
+    first_diffuse(path, path.edges()) >= 2
 }
 
 /// Draws the last vertex to change: behind the first diffuse one, and further one time in two as long as there is one.

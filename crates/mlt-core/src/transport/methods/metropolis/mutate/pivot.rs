@@ -13,58 +13,38 @@
 //!
 //! that of a turn by an angle times |p − x_i|² L.
 
-use super::follow::{ByAngle, FromEye, Turn};
-use super::lens::first_diffuse;
-use super::multi_chain::choose_end;
-use crate::engine::{Mutation, uniform_f32};
-use crate::transport::methods::metropolis::stratum::LightStratum;
+use super::follow::{ByAngle, Turn};
+use super::from_eye::{EyePerturbation, FromEye};
+use super::multi_chain::{choose_end, goes_on};
+use crate::engine::uniform_f32;
 use crate::transport::paths::LightPath;
 use crate::transport::paths::subpath::follow_from_eye;
 use crate::transport::scene::View;
 use rand_pcg::rand_core::Rng;
 
-/// How often it is chosen where it applies, relative to the bidirectional mutation: a quarter of the lens perturbation.
-const SUITABILITY: f64 = 1.0;
-
 /// Moves the camera ray and turns the edges behind it about points on them.
+pub type PivotPerturbation<'a> = EyePerturbation<'a, Pivot>;
+
+/// Turns edges about points on them.
 #[derive(Clone, Copy, Debug)]
-pub struct PivotPerturbation<'a> {
-    from_eye: FromEye<'a>,
-}
+pub struct Pivot;
 
-impl<'a> PivotPerturbation<'a> {
-    /// For the paths of a view.
-    pub fn new(view: View<'a>) -> Self {
-        Self { from_eye: FromEye::new(view) }
+impl FromEye for Pivot {
+    const NAME: &'static str = "pivot";
+    /// A quarter of the lens perturbation's.
+    const SUITABILITY: f64 = 1.0;
+    type Turn = Self;
+
+    fn applies(current: &LightPath) -> bool {
+        goes_on(current)
+    }
+
+    fn draw_end(current: &LightPath, rng: &mut impl Rng) -> usize {
+        choose_end(current, rng)
     }
 }
 
-impl<'a> Mutation<LightPath, LightStratum<'a>> for PivotPerturbation<'_> {
-    fn name(&self) -> &'static str {
-        "pivot"
-    }
-
-    /// Positive for paths with another vertex to move behind the first diffuse one, else 0.
-    fn suitability(&self, current: &LightPath) -> f64 {
-        if first_diffuse(current, current.edges()) >= 2 { SUITABILITY } else { 0.0 }
-    }
-
-    fn propose(
-        &self,
-        current: &LightPath,
-        proposal: &mut LightPath,
-        within: &LightStratum<'a>,
-        rng: &mut impl Rng,
-    ) -> Option<f64> {
-        let m = choose_end(current, rng);
-        self.from_eye.perturb::<AboutPivot>(current, proposal, m, within, rng)
-    }
-}
-
-/// Turns an edge about a point on it.
-struct AboutPivot;
-
-impl Turn for AboutPivot {
+impl Turn for Pivot {
     fn follow(view: &View, current: &LightPath, proposal: &mut LightPath, i: usize, rng: &mut impl Rng) -> Option<f64> {
         if current.vertices[i].vertex.delta {
             return ByAngle::follow(view, current, proposal, i, rng);
@@ -113,6 +93,7 @@ mod tests {
     use crate::engine::Generator;
     use crate::transport::colour::Rgb;
     use crate::transport::lights::Stratification;
+    use crate::transport::methods::metropolis::stratum::LightStratum;
     use crate::transport::tests::balance::imbalance;
     use crate::transport::tests::worlds::{World, door, glass, glossy, lambert, mirror, room, two_lights};
 
@@ -167,8 +148,7 @@ mod tests {
         rng: &mut Generator,
     ) -> Option<f64> {
         let pivot = PivotPerturbation::new(world.view());
-        let applies = pivot.suitability(x) > 0.0;
-        applies.then(|| pivot.from_eye.perturb::<T>(x, y, choose_end(x, rng), within, rng))?
+        Pivot::applies(x).then(|| pivot.perturb::<T>(x, y, choose_end(x, rng), within, rng))?
     }
 
     #[test]
@@ -181,7 +161,7 @@ mod tests {
             ("two lights", two_lights(glass(0.0), mirror())),
         ] {
             let found = imbalance(&world, Stratification::Grid(2, 1), 40_000, |x, y, within, rng| {
-                propose::<AboutPivot>(&world, x, y, within, rng)
+                propose::<Pivot>(&world, x, y, within, rng)
             });
             found.assert_balanced(name);
         }

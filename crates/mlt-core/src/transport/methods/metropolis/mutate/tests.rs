@@ -224,7 +224,7 @@ fn a_forgotten_distance_is_found() {
     }
 }
 
-/// What a proposal keeps of the old path, and what it sets, is what the whole path computed anew has.
+/// All that a proposal keeps of the old path or sets is as in the whole path computed anew.
 #[test]
 fn proposals_are_complete() {
     let scene = scene(false);

@@ -7,15 +7,16 @@
 //!
 //! Source: [ContyKulla18], "Importance Sampling of Many Lights with Adaptive Tree Splitting", section 5.
 
+mod bound;
+mod node;
+
 use super::afar::Afar;
 use super::cell::Cell;
 use crate::transport::geometry::{Vertex, hilbert};
 use crate::transport::scene::{LightPoint, Lights, Piece};
-use glam::{DVec2, Vec3, Vec3A, Vec4};
-use std::array;
-
-/// Parts that a node has; a [`Vec4`] holds a number for each.
-const WIDTH: usize = 4;
+use bound::{Bound, build};
+use glam::{DVec2, Vec4};
+use node::{Node, quarters};
 
 /// The tree over the pieces of a region.
 #[derive(Clone, Debug)]
@@ -61,82 +62,6 @@ impl Leaf {
     fn point(&self, u: f64, v: f64) -> LightPoint {
         let place = (self.low + self.size * DVec2::new(u, v)).min(self.last);
         LightPoint { light: self.light, u: place.x, v: place.y }
-    }
-}
-
-/// A quarter each of a run of leaves: a ball around its pieces and a cone around the normals of their fronts.
-#[derive(Clone, Copy, Debug, Default)]
-struct Node {
-    centre: [Vec4; 3],
-    radius: Vec4,
-    axis: [Vec4; 3],
-    /// Cosine and sine of half of the cone's opening.
-    spread: [Vec4; 2],
-    /// Share of the power of all lights; zero where a run of fewer than four leaves has no such part.
-    power: Vec4,
-    /// 1 where something emits from its back as well.
-    both_sides: Vec4,
-    /// The part's node, where it has more than one leaf.
-    below: [u32; WIDTH],
-}
-
-/// Lengths, and cosines and sines of angles in [0, π] times the lengths.
-#[derive(Clone, Copy)]
-struct Scaled {
-    length: Vec4,
-    cos: Vec4,
-    sin: Vec4,
-}
-
-impl Scaled {
-    #[inline]
-    fn of(length: Vec4, cos: Vec4) -> Self {
-        Self { length, cos, sin: (length * length - cos * cos).max(Vec4::ZERO).sqrt() }
-    }
-
-    /// max(0, self − other), and the products of the lengths.
-    #[inline]
-    fn beyond(self, other: Self) -> Self {
-        let length = self.length * other.length;
-        let inside = (self.cos * other.length).cmpge(other.cos * self.length);
-        let cos = self.cos * other.cos + self.sin * other.sin;
-        let sin = self.sin * other.cos - self.cos * other.sin;
-        Self { length, cos: Vec4::select(inside, length, cos), sin: Vec4::select(inside, Vec4::ZERO, sin) }
-    }
-}
-
-#[inline]
-fn dot(a: &[Vec4; 3], b: &[Vec4; 3]) -> Vec4 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-impl Node {
-    /// Bounds on the irradiance at a vertex, but for a factor: power × cos θ' × cos θ_i' / d², where θ' is the least angle
-    /// of any of the normals with the direction to the vertex, and θ_i' that of the vertex's normal with any direction to
-    /// the ball. A bound is zero only where nothing arrives.
-    #[inline]
-    fn importance(&self, position: Vec3A, normal: Vec3A) -> Vec4 {
-        let [px, py, pz] = position.to_array().map(Vec4::splat);
-        let away = [px - self.centre[0], py - self.centre[1], pz - self.centre[2]];
-        let (square, ball_square) = (dot(&away, &away), self.radius * self.radius);
-        let (distance, outside) = (square.sqrt(), square - ball_square);
-        let ball = Scaled { length: distance, cos: outside.max(Vec4::ZERO).sqrt(), sin: self.radius };
-        let cone = Scaled { length: Vec4::ONE, cos: self.spread[0], sin: self.spread[1] };
-        let front = dot(&self.axis, &away);
-        let facing = Vec4::select(self.both_sides.cmpgt(Vec4::ZERO), front.abs(), front);
-        let leaving = Scaled::of(distance, facing).beyond(cone).beyond(ball);
-        let arriving = Scaled::of(distance, dot(&normal.to_array().map(Vec4::splat), &away).abs()).beyond(ball);
-        let inverse = Vec4::ONE / square.max(ball_square).max(Vec4::splat(f32::MIN_POSITIVE));
-        let cosines = (leaving.cos.max(Vec4::ZERO) * inverse) * (arriving.cos * inverse);
-        self.power * inverse * Vec4::select(outside.cmpgt(Vec4::ZERO), cosines, Vec4::ONE)
-    }
-
-    /// Probabilities of the parts.
-    #[inline]
-    fn probabilities(&self, vertex: &Vertex) -> Vec4 {
-        let weights = self.importance(vertex.position, vertex.shading_normal);
-        let total = weights.element_sum();
-        if total > 0.0 && total.is_finite() { weights / total } else { self.power / self.power.element_sum() }
     }
 }
 
@@ -294,82 +219,6 @@ impl LightSampler {
     }
 }
 
-/// Where leaves `first` to `last` − 1 are parted, with both ends.
-#[inline]
-fn quarters(first: usize, last: usize) -> [usize; WIDTH + 1] {
-    array::from_fn(|i| first + i * (last - first) / WIDTH)
-}
-
-/// Content of a node, while the tree is built.
-#[derive(Clone, Copy)]
-struct Bound {
-    low: Vec3,
-    high: Vec3,
-    axis: Vec3,
-    /// Half of the cone's opening, radians.
-    spread: f64,
-    power: f64,
-    both_sides: bool,
-}
-
-impl Bound {
-    fn of(piece: &Piece, power: f64, both_sides: bool) -> Self {
-        let &Piece { low, high, normal, spread, .. } = piece;
-        Self { low, high, axis: normal, spread, power, both_sides }
-    }
-
-    fn union(a: &Self, b: &Self) -> Self {
-        let axis = (a.axis + b.axis).normalize_or(Vec3::Z);
-        // The rounding of the axes is far below the addend.
-        let reach = |x: &Self| x.spread + libm::acos(f64::from(axis.dot(x.axis).clamp(-1.0, 1.0))) + 1e-3;
-        Self {
-            low: a.low.min(b.low),
-            high: a.high.max(b.high),
-            axis,
-            spread: reach(a).max(reach(b)).min(std::f64::consts::PI),
-            power: a.power + b.power,
-            both_sides: a.both_sides || b.both_sides,
-        }
-    }
-
-    /// A node with this as its only part.
-    fn node(&self) -> Node {
-        let mut node = Node::default();
-        self.store(0, &mut node);
-        node
-    }
-
-    /// Writes it into a node as part `i`.
-    fn store(&self, i: usize, node: &mut Node) {
-        let centre = 0.5 * (self.low + self.high);
-        for axis in 0..3 {
-            (node.centre[axis][i], node.axis[axis][i]) = (centre[axis], self.axis[axis]);
-        }
-        // A little more than half of the diagonal, for what rounding takes away.
-        node.radius[i] = 0.5001 * (self.high - self.low).length();
-        (node.spread[0][i], node.spread[1][i]) = (libm::cos(self.spread) as f32, libm::sin(self.spread) as f32);
-        (node.power[i], node.both_sides[i]) = (self.power as f32, f32::from(u8::from(self.both_sides)));
-    }
-}
-
-/// Adds the tree over `leaves`, at least one; a single one is no node.
-fn build(leaves: &[Bound], nodes: &mut Vec<Node>) -> Bound {
-    if let [leaf] = leaves {
-        return *leaf;
-    }
-    let here = nodes.len();
-    nodes.push(Node::default());
-    let ends = quarters(0, leaves.len());
-    let mut whole: Option<Bound> = None;
-    for part in (0..WIDTH).filter(|&part| ends[part] < ends[part + 1]) {
-        nodes[here].below[part] = nodes.len() as u32;
-        let bound = build(&leaves[ends[part]..ends[part + 1]], nodes);
-        bound.store(part, &mut nodes[here]);
-        whole = Some(whole.map_or(bound, |whole| Bound::union(&whole, &bound)));
-    }
-    whole.unwrap_or(leaves[0])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -379,7 +228,7 @@ mod tests {
     use crate::transport::lights::strata::{LightStrata, Stratification};
     use crate::transport::scene::Scene;
     use crate::transport::tests::worlds::{World, lamps, lamps_and_sky, outdoors, rough_metal, suns};
-    use glam::DVec3;
+    use glam::{DVec3, Vec3A};
     use rand_pcg::rand_core::Rng;
 
     fn vertices(world: &World) -> Vec<Vertex> {
