@@ -112,3 +112,28 @@ fn the_duct_is_as_long_as_it_says() {
     };
     assert!(says_black("11") && !says_black("14"));
 }
+
+/// A study that was stopped leaves some renders, and perhaps a file that is cut off.
+#[test]
+fn a_study_of_the_choice_goes_on_where_it_was() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let line = "--choice cornell --budgets 4 --replicas 4 --size 8x8 --json";
+    let kept = || verify(&format!("{line} -o"), &[folder.path()]);
+    let whole = verify(line, &[]);
+    assert!(!whole.stdout.is_empty(), "{}", stderr(&whole));
+    assert_eq!(kept().stdout, whole.stdout);
+
+    let file = |seed: u64| folder.path().join(format!("cornell-auto-4-{seed}.mltp"));
+    fs::remove_file(file(1)).expect("removed");
+    let bytes = fs::read(file(2)).expect("there");
+    fs::write(file(2), &bytes[..bytes.len() / 2]).expect("cut");
+    let again = kept();
+    assert!(stderr(&again).contains("it is made again"), "{}", stderr(&again));
+    assert_eq!(again.stdout, whole.stdout);
+
+    // The control: what is there is what is used.
+    fs::copy(file(3), file(4)).expect("copied");
+    let refused = kept();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("seed is 3 in it and 4 here"), "{}", stderr(&refused));
+}

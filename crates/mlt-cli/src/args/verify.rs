@@ -20,20 +20,21 @@ far the worst seed is from the median; flicker. With --choice instead: whether a
 much worse than the best of pt, bdpt and mlt with as many rays.
 
 Exit codes: 0 every method can be trusted here, 1 one cannot or cannot be judged, 2 wrong usage, 130 interrupted.
-With --gallery the folder gets stability.md, verdicts/ and scenes/; the same command goes on where an earlier one stopped.")]
+With --gallery the folder gets stability.md, verdicts/ and scenes/, with --choice checkpoints of all renders: the same command goes
+on where an earlier one stopped.")]
 pub struct VerifyOptions {
     /// glTF or OBJ files, or names of built-in scenes; with --gallery names of its scenes, all of them if none is given; with
     /// --choice also names of gallery scenes, seven of easy and hard light if none is given
     #[arg(value_name = "SCENE", required_unless_present_any = ["gallery", "choice"])]
     pub scenes: Vec<PathBuf>,
     /// Judge the scenes of the gallery: those where methods are known to fail
-    #[arg(long, requires = "output")]
+    #[arg(long, requires = "output", group = "study")]
     pub gallery: bool,
-    /// The folder for the gallery's verdicts and table
-    #[arg(short, long, value_name = "FOLDER", requires = "gallery")]
+    /// The folder for the gallery's verdicts and table, or for the renders of --choice; what is in it is not made again
+    #[arg(short, long, value_name = "FOLDER", requires = "study")]
     pub output: Option<PathBuf>,
     /// Judge the choice that auto makes between its methods
-    #[arg(long, conflicts_with_all = ["gallery", "methods", "per_pixel", "rounds"])]
+    #[arg(long, group = "study", conflicts_with_all = ["gallery", "methods", "per_pixel", "rounds"])]
     pub choice: bool,
     /// Budgets of --choice, samples per pixel
     #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = per_pixel, default_values_t = [4.0, 64.0])]

@@ -11,9 +11,9 @@ use super::job::{check_words, options_of, parts_folder};
 use crate::{
     Failure,
     args::{farm::TaskOptions, kept::KeptOptions, render::RenderOptions},
-    kept::{self, Kept},
+    kept,
     output::{Format, OutputFile},
-    print, render, warn,
+    print, render,
 };
 
 /// Makes the part, unless it is there.
@@ -31,7 +31,7 @@ pub(super) fn run(options: &TaskOptions) -> Result<(), Failure> {
     if is_done(&render, &part)? {
         return Ok(print(&format!("{} is there and whole\n", part.display()))?);
     }
-    render::go_on(&render, if_whole(&checkpoint))?;
+    render::go_on(&render, kept::if_whole(&checkpoint))?;
     // It is of no use any more, and another copy of the task may have removed it.
     let _ = fs::remove_file(checkpoint);
     Ok(())
@@ -39,17 +39,5 @@ pub(super) fn run(options: &TaskOptions) -> Result<(), Failure> {
 
 /// Whether the part holds all its rounds. One of another render is refused.
 fn is_done(options: &RenderOptions, part: &Path) -> Result<bool, Failure> {
-    if_whole(part).map_or(Ok(false), |kept| render::is_done(options, &kept))
-}
-
-/// The rounds that a file keeps, if there is one; a fault of it is told.
-fn if_whole(path: &Path) -> Option<Kept> {
-    match path.exists().then(|| kept::read(path))? {
-        Ok(kept) => Some(kept),
-        Err(Failure::Usage(error) | Failure::Run(error)) => {
-            warn(&format!("{error:#}; it is made again"));
-            None
-        }
-        Err(_) => None,
-    }
+    kept::if_whole(part).map_or(Ok(false), |kept| render::is_done(options, &kept))
 }

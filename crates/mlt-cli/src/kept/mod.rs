@@ -6,7 +6,11 @@
 mod file;
 pub mod pilot;
 
-use std::{ops::Range, path::PathBuf, time::Duration};
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use anyhow::{Context, anyhow};
 use mlt_core::{engine::MergeError, transport::render::Sums};
@@ -14,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub use file::{MAGIC, VERSION, encode, read};
 
-use crate::{Failure, provenance::Provenance};
+use crate::{Failure, provenance::Provenance, warn};
 
 /// The sums of some rounds of a render, and all that its files and its report need besides.
 #[derive(Debug)]
@@ -87,6 +91,18 @@ impl Kept {
                 Err(refused(format!("it holds the rounds {held}, but this render makes {}; {REMEDY}", words(&own))))
             }
         }
+    }
+}
+
+/// The rounds that a file keeps, if there is one; a fault of it is told.
+pub(crate) fn if_whole(path: &Path) -> Option<Kept> {
+    match path.exists().then(|| read(path))? {
+        Ok(kept) => Some(kept),
+        Err(Failure::Usage(error) | Failure::Run(error)) => {
+            warn(&format!("{error:#}; it is made again"));
+            None
+        }
+        Err(_) => None,
     }
 }
 

@@ -31,6 +31,7 @@ use mlt_scene::printable;
 use crate::{
     Failure,
     args::render::RenderOptions,
+    atomic,
     denoise::Denoiser,
     image::Image,
     interrupt::Interrupt,
@@ -125,10 +126,15 @@ pub(crate) struct Rendered {
     pub blocks: Blocks,
 }
 
-/// Renders on the current rayon pool and writes nothing.
+/// Renders on the current rayon pool and writes nothing but the options' checkpoint, from which it goes on if that is there.
 pub(crate) fn in_memory(options: &RenderOptions, setup: &Setup, interrupt: &Interrupt) -> Result<Rendered, Failure> {
-    let options = &options.of_size(setup.size);
-    let Finished { sums, made } = session::run(options, setup, Plan::new(options, None), interrupt, None)?;
+    let (options, checkpoint) = (&options.of_size(setup.size), options.keeping.checkpoint.as_deref());
+    let kept = checkpoint.and_then(kept::if_whole);
+    let plan = Plan::new(options, kept.as_ref().map(Kept::per_pixel).transpose()?);
+    let Finished { sums, made } = session::run(options, setup, plan, interrupt, kept)?;
+    if let Some(path) = checkpoint {
+        atomic::write(path, &kept::encode(&made.about, made.pilot.as_deref(), &sums)?)?;
+    }
     let (image, stderr) = files::develop(sums.film(), true)?;
     Ok(Rendered { image, stderr, report: made.report, blocks: sums.film().blocks().into() })
 }

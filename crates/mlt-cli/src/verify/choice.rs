@@ -1,7 +1,10 @@
 //! Whether the choice that `auto` makes is safe: it keeps to its budget and to its plan, and no seed is much worse than the best
 //! single method with as many rays.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, anyhow};
 use mlt_core::transport::methods::auto::{TIME_OF_A_BIDIRECTIONAL_RAY, TIME_OF_A_CHAINS_RAY};
@@ -139,6 +142,9 @@ fn largest(values: &[f64]) -> f64 {
 /// Studies each scene with each budget, and prints a table.
 pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     let interrupt = Interrupt::install()?;
+    if let Some(folder) = &options.output {
+        fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
+    }
     let folder = tempfile::tempdir().context("there is no place for temporary files")?;
     let scenes = match &options.scenes[..] {
         [] => SCENES.map(PathBuf::from).to_vec(),
@@ -254,13 +260,16 @@ impl<'a> Study<'a> {
         Ok(Runs { images, reports })
     }
 
-    /// Pixels and report of a render with so many samples or mutations a pixel.
+    /// Pixels and report of a render with so many samples or mutations a pixel. It goes on from its checkpoint, if there is a folder of these.
     fn render(&self, method: &str, per_pixel: f64, seed: u64) -> Result<(Vec<f64>, Report), Failure> {
         let contestant = method.parse().map_err(|message: String| Failure::Run(anyhow!(message)))?;
         let unit = render_options(&contestant, &self.file, &[])?.method().unit();
         let words = [format!("--seed={seed}"), format!("--{unit}-per-pixel={per_pixel}")];
-        let rendered =
-            render::in_memory(&render_options(&contestant, &self.file, &words)?, &self.setup, self.interrupt)?;
+        let mut options = render_options(&contestant, &self.file, &words)?;
+        let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+        let name: String = format!("{}-{method}-{per_pixel}-{seed}.mltp", self.name).chars().map(plain).collect();
+        options.keeping.checkpoint = self.options.output.as_ref().map(|folder| folder.join(name));
+        let rendered = render::in_memory(&options, &self.setup, self.interrupt)?;
         if rendered.report.interrupted {
             return Err(Failure::InterruptedEarly(anyhow!("interrupted")));
         }

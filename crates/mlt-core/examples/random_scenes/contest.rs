@@ -60,12 +60,14 @@ pub(crate) struct Contest {
     differences: [Differences; METHODS.len()],
     /// Rooms that had a pair of methods in doubt, by how often it was rendered anew.
     doubts: [u64; 3],
+    /// Of all sums, in the order of the rooms: the same on every machine.
+    bits: blake3::Hasher,
 }
 
 impl Contest {
     pub(crate) fn new() -> Self {
         let pool = |threads| ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        Self { pools: [pool(1), pool(2)], differences: Default::default(), doubts: [0; 3] }
+        Self { pools: [pool(1), pool(2)], differences: Default::default(), doubts: [0; 3], bits: blake3::Hasher::new() }
     }
 
     /// Renders the room of this number by all methods.
@@ -82,6 +84,9 @@ impl Contest {
         let renders: Vec<_> = settings.iter().map(|settings| self.render(view, settings)).collect();
         for (settings, render) in settings.iter().zip(&renders) {
             faults.extend(signs(render).into_iter().map(|sign| format!("{sign}: {settings:?}")));
+        }
+        for sums in &renders {
+            self.bits.update(&sums.to_bytes());
         }
         let twice = number as usize % METHODS.len();
         if self.rendered(1, view, &settings[twice]).to_bytes() != renders[twice].to_bytes() {
@@ -183,7 +188,7 @@ impl fmt::Display for Contest {
                 100.0 * error
             )?;
         }
-        Ok(())
+        writeln!(f, "bits of all sums: {}", self.bits.finalize())
     }
 }
 

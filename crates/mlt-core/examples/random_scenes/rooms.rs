@@ -3,7 +3,7 @@
 use super::dice::Dice;
 use super::shapes::{ball, cuboid, quad, rectangle};
 use super::surfaces::{any, wide};
-use mlt_core::glam::{DAffine3, DVec3, Vec3};
+use mlt_core::glam::{DAffine3, DQuat, DVec3, Vec3};
 use mlt_core::transport::Rgb;
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::scene::{
@@ -140,8 +140,8 @@ impl Builder {
         let half = DVec3::from_array([(); 3].map(|()| self.dice.between(0.05, 0.3)));
         let mesh = Mesh { material, ..cuboid(DVec3::ZERO, half) };
         let place = |dice: &mut Dice| {
-            let turned = DAffine3::from_axis_angle(dice.direction(), dice.between(0.0, 3.0));
-            DAffine3::from_translation(dice.point(0.7)) * turned
+            let turned = DQuat::from_vec4(dice.point(1.0).extend(dice.between(0.1, 1.0))).normalize();
+            DAffine3::from_rotation_translation(turned, dice.point(0.7))
         };
         let places = (0..3).map(|_| place(&mut self.dice)).collect();
         let made = self.material();

@@ -11,6 +11,7 @@
 use super::albedo::Lacking;
 use super::brushed;
 use super::microfacet::{GRAZING, Microfacets, Reflection, half, visible_cap};
+use crate::transport::geometry::math::{cross, unit};
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
 
@@ -27,7 +28,7 @@ impl AnisotropicGgx {
     /// v·t, v·b and v·n.
     #[inline]
     pub(super) fn local(self, n: Vec3A, v: Vec3A) -> [f32; 3] {
-        [v.dot(self.tangent), v.dot(n.cross(self.tangent)), v.dot(n)]
+        [v.dot(self.tangent), v.dot(cross(n, self.tangent)), v.dot(n)]
     }
 
     /// r(v).
@@ -76,7 +77,7 @@ impl Microfacets for AnisotropicGgx {
             return None;
         }
         let [along, across] = self.alphas;
-        let h = visible_cap(Vec3A::new(along * x, across * y, z).normalize(), u);
-        (along * h.x * self.tangent + across * h.y * n.cross(self.tangent) + h.z * n).try_normalize()
+        let h = visible_cap(unit(Vec3A::new(along * x, across * y, z)), u);
+        (along * h.x * self.tangent + across * h.y * cross(n, self.tangent) + h.z * n).try_normalize()
     }
 }

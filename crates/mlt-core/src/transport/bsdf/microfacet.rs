@@ -12,7 +12,7 @@
 
 use super::albedo::{Albedo, Lacking};
 use super::fresnel::reflect;
-use crate::transport::geometry::math::{frame, turn};
+use crate::transport::geometry::math::{cross, frame, turn, unit};
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
 use std::fmt::Debug;
@@ -77,7 +77,7 @@ impl Ggx {
     pub fn d(self, n: Vec3A, h: Vec3A) -> f32 {
         let a2 = self.alpha * self.alpha;
         let cos = n.dot(h);
-        let t = a2 * cos * cos + n.cross(h).length_squared();
+        let t = a2 * cos * cos + cross(n, h).length_squared();
         FRAC_1_PI * a2 / (t * t)
     }
 
@@ -126,7 +126,7 @@ impl Microfacets for Ggx {
             return None;
         }
         let (s, t) = frame(n);
-        let h = visible_cap(Vec3A::new(self.alpha * v.dot(s), self.alpha * v.dot(t), cos).normalize(), u);
+        let h = visible_cap(unit(Vec3A::new(self.alpha * v.dot(s), self.alpha * v.dot(t), cos)), u);
         (self.alpha * h.x * s + self.alpha * h.y * t + h.z * n).try_normalize()
     }
 }

@@ -4,7 +4,7 @@ use super::Evaluation;
 use super::albedo::{at_cosine, bracket, lerp};
 use super::microfacet::GRAZING;
 use crate::transport::colour::Rgb;
-use crate::transport::geometry::math::{frame, turn};
+use crate::transport::geometry::math::{frame, turn, unit};
 use glam::Vec3A;
 use std::f32::consts::{FRAC_1_PI, TAU};
 use std::sync::LazyLock;
@@ -62,7 +62,7 @@ fn quadrature(alpha: f32, cos: f32) -> f32 {
         for j in 0..STEPS[1] {
             let azimuth = turn((j as f32 + 0.5) / STEPS[1] as f32);
             let l = Vec3A::new(sin * azimuth.x, sin * azimuth.y, z);
-            let half = (l + v).normalize();
+            let half = unit(l + v);
             // dμ = 2 root d(root).
             sum += f64::from(shine(alpha, [z, cos], half.z) * z * 2.0 * root);
         }

@@ -10,6 +10,7 @@ mod pose;
 mod thin_lens;
 
 use crate::engine::uniform_f32;
+use crate::transport::geometry::math::unit;
 use crate::transport::geometry::{Place, Space, Vertex};
 use glam::{Vec2, Vec3, Vec3A};
 use orthographic::Orthographic;
@@ -51,7 +52,7 @@ impl CameraRay {
     /// Its direction, a unit vector.
     #[inline(always)]
     pub fn direction(&self) -> Vec3A {
-        self.step.normalize()
+        unit(self.step)
     }
 }
 

@@ -6,6 +6,7 @@
 
 use super::{CameraRay, Part};
 use crate::transport::geometry::Vertex;
+use crate::transport::geometry::math::cross;
 use glam::{Vec2, Vec3, Vec3A};
 
 /// Sees by parallel rays.
@@ -30,7 +31,7 @@ impl Orthographic {
     pub(super) fn new(vertex: &Vertex, up: Vec3, height: f32, aspect: [f32; 2]) -> Self {
         let half_height = 0.5 * height;
         let half_width = half_height * aspect[0] / aspect[1];
-        let right = half_width * vertex.geometric_normal.cross(up.into());
+        let right = half_width * cross(vertex.geometric_normal, up.into());
         let down = Vec3A::from(-half_height * up);
         Self {
             middle: vertex.position,

@@ -2,6 +2,7 @@
 
 use super::{CameraRay, Part};
 use crate::transport::geometry::Vertex;
+use crate::transport::geometry::math::cross;
 use glam::{Vec2, Vec3, Vec3A};
 
 /// Sees through a point, onto a plane at distance 1.
@@ -31,7 +32,7 @@ impl Pinhole {
         let forward = vertex.geometric_normal;
         let half_height = libm::tanf(0.5 * vertical_fov);
         let half_width = half_height * aspect[0] / aspect[1];
-        let right = half_width * forward.cross(up.into());
+        let right = half_width * cross(forward, up.into());
         let down = Vec3A::from(-half_height * up);
         Self {
             forward,

@@ -8,7 +8,7 @@
 use super::pinhole::Pinhole;
 use super::{CameraRay, Part};
 use crate::transport::geometry::Vertex;
-use crate::transport::geometry::math::square_to_disk;
+use crate::transport::geometry::math::{square_to_disk, unit};
 use glam::{Vec2, Vec3A};
 use std::f32::consts::PI;
 
@@ -32,7 +32,7 @@ pub(super) struct ThinLens {
 impl ThinLens {
     /// A disc about a pinhole at a vertex.
     pub(super) fn new(centre: Pinhole, vertex: &Vertex, radius: f32, focus: f32) -> Self {
-        let axes = [centre.across, centre.along].map(Vec3A::normalize);
+        let axes = [centre.across, centre.along].map(unit);
         let (position, forward) = (vertex.position, vertex.geometric_normal);
         Self { centre, position, forward, axes, radius, focus }
     }

@@ -1,6 +1,6 @@
 //! Cones that light goes into.
 
-use crate::transport::geometry::math::{frame, turn};
+use crate::transport::geometry::math::{frame, turn, unit};
 use glam::{Vec2, Vec3, Vec3A};
 use std::f32::consts::TAU;
 
@@ -48,7 +48,7 @@ impl Cone {
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let (s, t) = frame(self.axis);
         let about = turn(u.y);
-        (sin * (about.x * s + about.y * t) + cos * self.axis).normalize()
+        unit(sin * (about.x * s + about.y * t) + cos * self.axis)
     }
 
     /// Its density in the cone, sr⁻¹.

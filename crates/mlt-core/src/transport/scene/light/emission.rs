@@ -5,7 +5,7 @@ use super::uneven::Uneven;
 use super::{Area, Cone, Light, LightPoint, Shape, Source};
 use crate::engine::uniform_f32;
 use crate::transport::colour::{Rgb, luminance};
-use crate::transport::geometry::math::cosine_hemisphere;
+use crate::transport::geometry::math::{cosine_hemisphere, unit};
 use crate::transport::geometry::{ERROR_FACTOR, LIGHT, Place, Vertex};
 use crate::transport::scene::Scene;
 use glam::{Vec2, Vec3A};
@@ -139,7 +139,7 @@ impl Scene {
     /// The vertex of a distant light that a ray meets which meets nothing else.
     #[cold]
     pub(in crate::transport::scene) fn beyond(&self, direction: Vec3A) -> Option<Vertex> {
-        if self.needs.environment | self.needs.suns { self.distant_in(direction.normalize()) } else { None }
+        if self.needs.environment | self.needs.suns { self.distant_in(unit(direction)) } else { None }
     }
 
     #[inline(never)]

@@ -3,7 +3,7 @@
 use super::{Light, Shape};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Sphere;
-use crate::transport::geometry::math::{frame, turn};
+use crate::transport::geometry::math::{frame, turn, unit};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::PI as PI_F32;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -46,7 +46,7 @@ impl Sun {
         let sin = (2.0 * (square * (1.0 - square)).sqrt()) as f32;
         let (s, t) = frame(self.towards);
         let about = turn(v as f32);
-        (sin * (about.x * s + about.y * t) + (1.0 - 2.0 * square) as f32 * self.towards).normalize()
+        unit(sin * (about.x * s + about.y * t) + (1.0 - 2.0 * square) as f32 * self.towards)
     }
 
     /// The point of the unit square that a direction comes from.

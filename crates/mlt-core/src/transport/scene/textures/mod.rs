@@ -7,6 +7,7 @@ mod textured;
 use super::Scene;
 use crate::transport::bsdf::Bsdf;
 use crate::transport::geometry::Vertex;
+use crate::transport::geometry::math::cross;
 pub(super) use coordinates::{Attributes, Coordinates};
 use glam::Vec3A;
 
@@ -41,7 +42,7 @@ impl Scene {
         let tangents = textured.brushed_along().and_then(|set| {
             let ([along, across], normal) = (self.tangents(vertex, weights, set)?, vertex.shading_normal);
             let along = (along - normal * normal.dot(along)).try_normalize()?;
-            let aside = normal.cross(along);
+            let aside = cross(normal, along);
             Some([along, aside * 1f32.copysign(aside.dot(across))])
         });
         let coat_normal = textured.coat_normal().map(|map| {
@@ -69,6 +70,6 @@ impl Scene {
             tangent = placement.vector(tangent);
             sign *= placement.handedness();
         }
-        Some([tangent, vertex.shading_normal.cross(tangent) * sign])
+        Some([tangent, cross(vertex.shading_normal, tangent) * sign])
     }
 }

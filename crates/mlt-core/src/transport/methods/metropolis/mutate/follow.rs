@@ -13,7 +13,7 @@
 //!
 //! All of them are taken relative to the density g of [`mis`], which changes at the vertices that are kept, too.
 
-use crate::transport::geometry::math::{eighth_turn, frame, on_circle};
+use crate::transport::geometry::math::{self, eighth_turn, frame, on_circle};
 use crate::transport::paths::mis::kept_reference;
 use crate::transport::paths::subpath::follow_from_eye;
 use crate::transport::paths::{LightPath, reference};
@@ -39,7 +39,7 @@ pub(super) fn turned(unit: Vec3A, rng: &mut impl Rng) -> Vec3A {
     let Vec2 { x: cos, y: sin } = eighth_turn(angle);
     let (s, t) = frame(unit);
     // Turned again and again, a vector that is not of length 1 would drift away from it.
-    (cos * unit + sin * (about.x * s + about.y * t)).normalize()
+    math::unit(cos * unit + sin * (about.x * s + about.y * t))
 }
 
 /// Lengths between two: each octave is as likely as any other, and within one all lengths are. That is 1/r in steps of an octave. The

@@ -4,7 +4,7 @@ use super::distribution::{Distribution, Place};
 use super::{Environment, azimuth};
 use crate::transport::colour::{Rgb, luminance};
 use crate::transport::geometry::Sphere;
-use crate::transport::geometry::math::turn;
+use crate::transport::geometry::math::{turn, unit};
 use crate::transport::scene::light::{Light, Shape};
 use glam::{DVec3, Vec3, Vec3A};
 use std::f64::consts::{PI, TAU};
@@ -52,7 +52,7 @@ impl Surroundings {
         let around = turn((azimuth - libm::floor(azimuth)) as f32);
         let z = self.distribution.height(&place);
         let radius = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt() as f32;
-        Vec3A::new(radius * around.x, z as f32, radius * around.y).normalize()
+        unit(Vec3A::new(radius * around.x, z as f32, radius * around.y))
     }
 
     /// The point of the unit square that a direction comes from.
