@@ -203,7 +203,7 @@ impl<'a> Mmlt<'a> {
         Ok(Self { chains, techniques, shares, pilot })
     }
 
-    /// What was measured before the first round, as bytes.
+    /// Measurements before the first round, as bytes.
     pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
         self.chains.found(&self.shares, self.pilot)
     }

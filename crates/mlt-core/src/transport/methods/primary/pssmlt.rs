@@ -103,7 +103,7 @@ impl<'a> Pssmlt<'a> {
         Ok(Self { chains, shares, pilot })
     }
 
-    /// What was measured before the first round, as bytes.
+    /// Measurements before the first round, as bytes.
     pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
         self.chains.found(&self.shares, self.pilot)
     }
