@@ -53,7 +53,7 @@ fn study(numbers: Range<u64>) -> u64 {
             }
         }
         let done = number + 1 - numbers.start;
-        if done % PROGRESS == 0 {
+        if done.is_multiple_of(PROGRESS) {
             println!("{done} rooms, {faulty} with faults, {refused} without light, {:.0?}", start.elapsed());
         }
     }

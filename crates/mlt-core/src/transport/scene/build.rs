@@ -50,7 +50,8 @@ impl Scene {
         let background = !needs.environment || description.environment.as_ref().is_none_or(|light| light.visible);
         let lights = lights(&mut description, &needs, &corners, (&space, sphere))?;
         let (shapes, copies) = Shape::all(&description, &space, corners.len() as u32);
-        let attributes = needs.textured.then(|| Attributes::take(description.all_meshes_mut())).unwrap_or_default();
+        let attributes =
+            if needs.textured { Attributes::take(description.all_meshes_mut()) } else { Attributes::default() };
         let SceneDescription { materials, textures, .. } = without_meshes(description);
         Ok(Self {
             accel: structure(geometry, &corners).with_copies(copies),
