@@ -199,7 +199,7 @@ fn very_short_stratified_rounds_are_unbiased() {
 fn a_forgotten_ratio_shows() {
     let mut problem = Problem::new(cells(4), 6, 3);
     problem.moves[1] = Move::ScaleWithoutRatio;
-    let z = problem.worst_z(2 * REPLICAS);
+    let z = problem.worst_z(REPLICAS);
     assert!(z > 2.0 * LIMIT, "worst z = {z}");
 }
 

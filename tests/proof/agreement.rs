@@ -3,10 +3,10 @@
 use crate::support::*;
 use exr::prelude::*;
 use glam::{DVec3, Vec2};
-use mlt_core::engine::{OwenSobol, Path};
+use mlt_core::engine::Path;
 use mlt_core::transport::lights::LightRegion;
 use mlt_core::transport::lights::Stratification::{Grid, None as Whole};
-use mlt_core::transport::methods::{AllPaths, Bidirectional, ImageSampler, Independent, MOST_EDGES};
+use mlt_core::transport::methods::{AllPaths, Bidirectional, ImageSampler, Independent, MOST_EDGES, OwenSobol};
 use mlt_core::transport::paths::{Kind, LightEnd, PathEnd};
 use mlt_core::transport::render::{Method, film_unit};
 use mlt_core::transport::scene::View;

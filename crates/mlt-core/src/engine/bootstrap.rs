@@ -1,8 +1,10 @@
-//! Weights of the independent samples of a stratum: its b_j, and where its chains start.
+//! Independent samples of a stratum: its b_j, and where its chains start.
 
-use super::{Coverage, Generator, StratumStats, uniform};
+use super::{Coverage, Generator, Importance, Purpose, Stratum, StratumStats, generator, uniform};
 
 /// Importance weights of the independent samples of one stratum in one round.
+///
+/// Sample i has a random stream of its own, so a chosen sample is made again instead of being stored.
 #[derive(Debug)]
 pub(super) struct Bootstrap {
     /// Σ_states w I / p of each sample.
@@ -52,8 +54,8 @@ impl Bootstrap {
     }
 
     /// Draws `count` samples in proportion to their weights, by systematic resampling: sample i is drawn
-    /// ⌊count · w_i/Σw⌋ or one more times, and a run of `order` as often as its weights say, up to one. Empty if all weights are 0.
-    pub(super) fn choose(&self, count: u64, order: &[u32], rng: &mut Generator) -> Vec<u64> {
+    /// ⌊count · w_i/Σw⌋ or one more times. Empty if all weights are 0.
+    pub(super) fn choose(&self, count: u64, rng: &mut Generator) -> Vec<u64> {
         let total = self.total;
         if total <= 0.0 {
             return Vec::new();
@@ -62,10 +64,10 @@ impl Bootstrap {
         let mut next = uniform(rng) * step;
         let mut chosen = Vec::with_capacity(count as usize);
         let mut cumulative = 0.0;
-        for &i in order {
-            cumulative += self.weights[i as usize];
+        for (i, &weight) in self.weights.iter().enumerate() {
+            cumulative += weight;
             while next < cumulative && (chosen.len() as u64) < count {
-                chosen.push(i.into());
+                chosen.push(i as u64);
                 next += step;
             }
         }
@@ -73,10 +75,58 @@ impl Bootstrap {
     }
 }
 
+/// Which sample of which render.
+#[derive(Clone, Copy)]
+pub(super) struct SampleKey {
+    pub(super) seed: u64,
+    pub(super) round: u64,
+    pub(super) stratum: u64,
+    pub(super) sample: u64,
+}
+
+impl SampleKey {
+    fn generator(self, purpose: Purpose) -> Generator {
+        generator(self.seed, purpose, self.round, self.stratum, self.sample)
+    }
+
+    /// Σ_states w I / p of this sample; `visit` sees each state and its part of the sum.
+    #[inline]
+    pub(super) fn weight<P>(
+        self,
+        stratum: &impl Stratum<P>,
+        importance: &impl Importance<P>,
+        visit: &mut impl FnMut(&P, f64),
+    ) -> f64 {
+        let mut sum = 0.0;
+        stratum.sample(&mut self.generator(Purpose::Sample), &mut |path, weight| {
+            let weight = weight * importance.eval(path);
+            sum += weight;
+            visit(path, weight);
+        });
+        sum
+    }
+
+    /// One state of this sample, drawn with `rng` in proportion to w I / p, and the sample's weight.
+    pub(super) fn pick<P: Clone>(
+        self,
+        stratum: &impl Stratum<P>,
+        importance: &impl Importance<P>,
+        rng: &mut Generator,
+    ) -> (Option<P>, f64) {
+        let (mut sum, mut picked) = (0.0, None);
+        let weight = self.weight(stratum, importance, &mut |path: &P, weight| {
+            sum += weight;
+            if weight > 0.0 && uniform(rng) * sum < weight {
+                picked = Some(path.clone());
+            }
+        });
+        (picked, weight)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{Purpose, generator};
 
     #[test]
     fn starts_are_drawn_in_proportion_to_weight() {
@@ -85,7 +135,7 @@ mod tests {
         let mut counts = [0f64; 6];
         for round in 0..2000 {
             let mut rng = generator(1, Purpose::Start, round, 0, 0);
-            let chosen = bootstrap.choose(3, &[5, 3, 0, 1, 2, 4], &mut rng);
+            let chosen = bootstrap.choose(3, &mut rng);
             assert_eq!(chosen.len(), 3);
             chosen.iter().for_each(|&i| counts[i as usize] += 1.0);
         }
@@ -98,7 +148,7 @@ mod tests {
     #[test]
     fn a_dark_batch_starts_nothing() {
         let bootstrap = Bootstrap::new(vec![0.0; 5], Coverage::default(), 0);
-        assert!(bootstrap.choose(4, &[0, 1, 2, 3, 4], &mut generator(0, Purpose::Start, 0, 0, 0)).is_empty());
+        assert!(bootstrap.choose(4, &mut generator(0, Purpose::Start, 0, 0, 0)).is_empty());
         assert_eq!(bootstrap.b(), 0.0);
     }
 }

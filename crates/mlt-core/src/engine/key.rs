@@ -8,7 +8,7 @@ pub type Generator = Pcg64Dxsm;
 /// Purpose of a stream of random numbers; streams of different purposes are independent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// The independent samples of a stratum in a round.
+    /// An independent sample of a stratum.
     Sample = 1,
     /// The choice of the chains' first states.
     Start = 2,

@@ -1,7 +1,6 @@
 //! Stratified Metropolis sampling as an estimator.
 
-use super::batch::Batch;
-use super::bootstrap::Bootstrap;
+use super::bootstrap::{Bootstrap, SampleKey};
 use super::{
     Chain, Coverage, Deposits, Estimator, Generator, Importance, Mixture, Mutation, Path, Purpose, SetupError, Share,
     Splat, Stratum, StratumStats, Tally, Watch, generator,
@@ -102,8 +101,8 @@ where
     I: Importance<P> + Sync,
     Self: Sync,
 {
-    fn batch(&self, round: u64, stratum: usize) -> Batch {
-        Batch::new(self.seed, round, stratum)
+    fn key(&self, round: u64, stratum: usize, sample: u64) -> SampleKey {
+        SampleKey { seed: self.seed, round, stratum: stratum as u64, sample }
     }
 
     /// The independent samples of all strata in a round, in blocks so that one large stratum keeps all threads busy.
@@ -140,10 +139,10 @@ where
         let before = (self.work)();
         let (stratum, share) = &self.strata[j];
         let last = share.samples.min(first + BOOTSTRAP_BLOCK);
-        let (mut coverage, mut batch) = (Coverage::default(), self.batch(round, j));
+        let mut coverage = Coverage::default();
         let is_due = self.is_looked_at(round, j, first / BOOTSTRAP_BLOCK);
         let mut weight = |i| {
-            batch.weight(i, stratum, self.importance, &mut |path, weight| {
+            self.key(round, j, i).weight(stratum, self.importance, &mut |path, weight| {
                 if i == first && is_due && weight > 0.0 {
                     let own = stratum.contains(path);
                     coverage.add_sample(own, self.strata_of(path) - usize::from(own));
@@ -177,8 +176,7 @@ where
         let mutations = self.strata[stratum].1.mutations;
         let count = mutations.div_ceil(CHAIN_LENGTH);
         let mut rng = generator(self.seed, Purpose::Start, round, stratum as u64, u64::MAX);
-        let order = self.batch(round, stratum).order(self.strata[stratum].1.samples);
-        let starts = bootstrap.choose(count, &order, &mut rng);
+        let starts = bootstrap.choose(count, &mut rng);
         let task = |(index, start): (u64, u64)| ChainTask {
             stratum,
             index,
@@ -219,8 +217,8 @@ where
         let stream = |purpose| generator(self.seed, purpose, prepared.round, stratum as u64, index);
         let (within, share) = &self.strata[stratum];
         let bootstrap = &prepared.bootstraps[stratum];
-        let mut batch = self.batch(prepared.round, stratum);
-        let (first, weight) = batch.pick(start, within, self.importance, &mut stream(Purpose::Start));
+        let key = self.key(prepared.round, stratum, start);
+        let (first, weight) = key.pick(within, self.importance, &mut stream(Purpose::Start));
         let chain = first.and_then(|x| Chain::new(self.mixture, self.importance, within, x));
         let b = bootstrap.b();
         let scale = b / share.mutations as f64;

@@ -87,8 +87,7 @@ impl StratumStats {
         if self.samples == 0 { 0.0 } else { self.weight_sum.value() / self.samples as f64 }
     }
 
-    /// Standard error that [`b`](Self::b) has if its samples are independent; as those of a round are stratified, it has less.
-    /// Infinite with fewer than two samples.
+    /// Standard error of [`b`](Self::b); infinite with fewer than two samples.
     pub fn b_stderr(&self) -> f64 {
         if self.samples < 2 { f64::INFINITY } else { (self.weight_variance() / self.samples as f64).sqrt() }
     }

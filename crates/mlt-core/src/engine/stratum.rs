@@ -15,9 +15,6 @@ pub trait Stratum<P> {
     ///
     /// A sample may be several states (all the connections of two subpaths) or none. The weights are right if
     /// E[Σ w/p · g(x)] = ∫_{Ω_j} g for every g; states outside Ω_j are not shown.
-    ///
-    /// In a render, `rng` gives well-stratified numbers: the samples of a round are points of one Sobol sequence, and chains start in
-    /// order along a curve through the first two. What matters most, such as a point of the image, is best drawn first.
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&P, f64));
 
     /// Expected number of times that one sample shows x, relative to the measure of the weights' densities: Σ_s p_s(x) over the ways

@@ -53,18 +53,6 @@ impl<O: Output, const STREAMS: usize> PrimaryPath<O, STREAMS> {
         for (i, stream) in self.streams.iter_mut().enumerate() {
             stream.begin(near.map(|(path, sizes)| (&path.streams[i], sizes[i])), rng.next_u64());
         }
-        self.trace(tracer)
-    }
-
-    /// Traces fresh numbers, the first ones of each stream from `rng` itself, which may be stratified, and records them; false where
-    /// F = 0.
-    pub(super) fn sample(&mut self, tracer: &impl Tracer<STREAMS, Output = O>, rng: &mut impl Rng) -> bool {
-        self.streams.iter_mut().for_each(|stream| stream.begin_with(rng));
-        self.trace(tracer)
-    }
-
-    #[inline]
-    fn trace(&mut self, tracer: &impl Tracer<STREAMS, Output = O>) -> bool {
         let lit = tracer.trace(&mut self.streams, &mut self.output);
         self.streams.iter_mut().for_each(Stream::end);
         lit

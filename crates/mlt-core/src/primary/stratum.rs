@@ -25,7 +25,7 @@ impl<T: Tracer<STREAMS>, const STREAMS: usize> Stratum<PrimaryPath<T::Output, ST
     /// Fresh numbers; their density is 1.
     fn sample(&self, rng: &mut impl Rng, visit: &mut impl FnMut(&PrimaryPath<T::Output, STREAMS>, f64)) {
         let mut path = PrimaryPath::default();
-        if path.sample(&self.tracer, rng) {
+        if path.propose(None, &self.tracer, rng) {
             visit(&path, 1.0);
         }
     }

@@ -1,8 +1,7 @@
 //! Random numbers that are recorded, repeated and changed while a tracer draws them.
 
 use crate::instructions::{InstructionSet, Work};
-use rand_pcg::rand_core::{Infallible, Rng, TryRng, utils};
-use std::array;
+use rand_pcg::rand_core::{Infallible, TryRng, utils};
 
 /// The streams of one evaluation, in the tracer's order.
 pub type Streams<const STREAMS: usize> = [Stream; STREAMS];
@@ -88,13 +87,6 @@ impl Stream {
         if let Some((Self { blocks: from, .. }, size)) = near {
             self.instructions.perform(Moved { from, to: &mut self.blocks, size, key });
         }
-    }
-
-    /// Starts anew, with a block of the numbers of `rng` ahead.
-    pub(super) fn begin_with(&mut self, rng: &mut impl Rng) {
-        self.blocks.clear();
-        self.blocks.push(array::from_fn(|_| rng.next_u32()));
-        (self.drawn, self.key) = (0, rng.next_u64());
     }
 
     /// Forgets the blocks of which nothing was drawn.

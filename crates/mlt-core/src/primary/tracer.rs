@@ -20,8 +20,7 @@ pub trait Output: Clone + Default {
 /// P-th of all cases. One that takes the pixel from elsewhere cannot be used, as its chains would never leave it.
 ///
 /// `STREAMS` sequences of numbers are played back independently of each other: parts that use varying amounts of numbers
-/// (the two subpaths of a bidirectional sampler) take one each, so that a change in one does not shift the others. What matters most,
-/// such as the point of the image, is best drawn first and from the first: independent samples are stratified in the order of the streams.
+/// (the two subpaths of a bidirectional sampler) take one each, so that a change in one does not shift the others.
 pub trait Tracer<const STREAMS: usize> {
     /// Type of the result.
     type Output: Output;

@@ -3,7 +3,8 @@
 use super::bidirectional::Bidirectional;
 use super::independent::ImageSampler;
 use super::settings::MOST_EDGES;
-use crate::engine::{Film, OwenSobol, uniform_f32};
+use super::sobol::OwenSobol;
+use crate::engine::{Film, uniform_f32};
 use crate::transport::colour::luminance;
 use crate::transport::lights::LightRegion;
 use crate::transport::scene::View;

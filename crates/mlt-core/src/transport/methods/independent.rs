@@ -1,7 +1,8 @@
 //! Independent samples of the image, in rounds: path tracing and bidirectional path tracing as estimators.
 
+use super::sobol::OwenSobol;
 use crate::engine::{
-    Counted, DecodeError, Deposits, Estimator, OwenSobol, Purpose, Reader, Sink, Splat, generator, put, uniform_f32,
+    Counted, DecodeError, Deposits, Estimator, Purpose, Reader, Sink, Splat, generator, put, uniform_f32,
 };
 use crate::instructions::{InstructionSet, Work};
 use crate::transport::paths::PathEnd;

@@ -12,6 +12,7 @@ pub mod primary;
 mod run;
 mod samples;
 mod settings;
+mod sobol;
 mod target;
 
 pub use bidirectional::{Bidirectional, BidirectionalTracing};
@@ -22,3 +23,4 @@ pub use independent::{AllPaths, ImageSampler, Independent, SampleTally, Selectio
 pub use path_tracing::{PathTracer, PathTracing};
 pub use run::{Observer, Run, Sums};
 pub use settings::{MOST_EDGES, Method, Settings};
+pub use sobol::OwenSobol;

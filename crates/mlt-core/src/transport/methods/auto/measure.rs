@@ -2,8 +2,9 @@
 
 use super::constants::{ENOUGH_PIXELS, LONG};
 use super::parts::Parts;
-use crate::engine::{OwenSobol, PILOT, Purpose, Watch, generator};
+use crate::engine::{PILOT, Purpose, Watch, generator};
 use crate::transport::methods::independent::{ImageSampler, point_in_pixel};
+use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::scene::rays_traced;
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;

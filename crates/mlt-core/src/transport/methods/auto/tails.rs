@@ -164,11 +164,12 @@ fn beyond(densities: impl Iterator<Item = f64> + Clone, contribution: f64, large
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{OwenSobol, uniform_f32};
+    use crate::engine::uniform_f32;
     use crate::transport::lights::{Cell, LightStrata, Stratification};
     use crate::transport::methods::bidirectional::Bidirectional;
     use crate::transport::methods::independent::ImageSampler;
     use crate::transport::methods::path_tracing::PathTracer;
+    use crate::transport::methods::sobol::OwenSobol;
     use crate::transport::tests::worlds::{World, pond, room, rough_metal};
     use glam::{DVec2, DVec3, Vec2};
 

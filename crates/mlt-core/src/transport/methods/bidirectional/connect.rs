@@ -4,11 +4,11 @@
 //! connection adds what depends on its edge. [`Bidirectional::sample`] finds the same from whole paths.
 
 use super::sampler::{Bidirectional, Carried, LightSubpath, Scratch, Subpath};
-use crate::engine::OwenSobol;
 use crate::transport::bsdf::Evaluation;
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::methods::independent::ImageSampler;
+use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::mis::{self, Ends, square};
 use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd, PathVertex, emission, scattering, sensitivity};
 use glam::{DVec3, Vec2};

@@ -7,11 +7,12 @@
 //!
 //! Source: [Veach97], section 9.3 (the two techniques of direct lighting, power heuristic).
 
-use crate::engine::{OwenSobol, uniform, uniform_f32};
+use crate::engine::{uniform, uniform_f32};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use crate::transport::lights::LightSampler;
 use crate::transport::methods::independent::ImageSampler;
+use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd};
 use crate::transport::scene::{LightPoint, Resolved, Sampled, Surface, View};
 use glam::{DVec3, Vec2, Vec3A};

@@ -21,7 +21,7 @@ use crate::transport::paths::{LightPath, PathVertex, mis, set_scattering};
 use crate::transport::scene::View;
 use glam::Vec2;
 
-/// Numbers of the camera's subpath; of length, technique and the light's.
+/// Numbers of length, technique and the light's subpath; of the camera's.
 const STREAMS: usize = 2;
 
 /// Scale of the law of lengths: P(K ≥ k) = (c/(k − 1 + c))².
@@ -105,7 +105,7 @@ impl Output for Weighted {
 impl<I: Importance<LightPath>> Tracer<STREAMS> for Multiplexed<'_, I> {
     type Output = Weighted;
 
-    fn trace(&self, [eye, light]: &mut Streams<STREAMS>, output: &mut Weighted) -> bool {
+    fn trace(&self, [light, eye]: &mut Streams<STREAMS>, output: &mut Weighted) -> bool {
         let technique = self.techniques.choose(uniform(light), f64::from(uniform_f32(light)));
         let Some(weight) = self.make(&technique, &mut output.path, light, eye) else {
             return false;

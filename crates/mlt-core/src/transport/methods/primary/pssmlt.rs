@@ -18,7 +18,7 @@ use crate::transport::scene::View;
 /// Probability of a large step.
 const LARGE_STEPS: f64 = 0.3;
 
-/// Numbers of the camera's subpath, numbers of the light's.
+/// Numbers of the light's subpath, numbers of the camera's.
 const STREAMS: usize = 2;
 
 /// F(u) = Σ_{s,t} q_j w_s f / p_s over the connections of the two subpaths.
@@ -61,7 +61,7 @@ impl Splats {
 impl<I: Importance<LightPath>> Tracer<STREAMS> for AllConnections<'_, I> {
     type Output = Splats;
 
-    fn trace(&self, [eye, light]: &mut Streams<STREAMS>, output: &mut Splats) -> bool {
+    fn trace(&self, [light, eye]: &mut Streams<STREAMS>, output: &mut Splats) -> bool {
         let Part { view, strata, index, max_edges, importance } = self.part;
         let sampler = Bidirectional { view, region: &strata.regions()[index as usize], max_edges };
         output.splats.clear();

@@ -3,9 +3,9 @@
 //! Source: Intel Open Image Denoise's documentation, "Albedos": reflectance for rough surfaces; for perfectly smooth ones Fresnel's blend
 //! of the albedos seen by reflection and through them, both followed instead of one by chance, and 1 where that takes too many steps.
 
-use crate::engine::OwenSobol;
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
+use crate::transport::methods::OwenSobol;
 use crate::transport::scene::{Resolved, Scene};
 use glam::Vec3A;
 

@@ -1,9 +1,9 @@
 //! Which part of the lights a pixel is lit by.
 
-use crate::engine::{OwenSobol, mixed};
+use crate::engine::mixed;
 use crate::transport::colour::luminance;
 use crate::transport::lights::{LightStrata, Stratification};
-use crate::transport::methods::{PathTracer, point_in_pixel};
+use crate::transport::methods::{OwenSobol, PathTracer, point_in_pixel};
 use crate::transport::paths::LightEnd;
 use crate::transport::scene::View;
 use rayon::prelude::*;

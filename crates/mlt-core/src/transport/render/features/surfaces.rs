@@ -1,9 +1,9 @@
 //! Features of the surfaces that are seen.
 
 use super::albedo::albedo;
-use crate::engine::{OwenSobol, mixed};
+use crate::engine::mixed;
 use crate::transport::colour::Rgb;
-use crate::transport::methods::point_in_pixel;
+use crate::transport::methods::{OwenSobol, point_in_pixel};
 use crate::transport::scene::View;
 use glam::Vec3A;
 use rand_pcg::rand_core::TryRng;

@@ -1,6 +1,6 @@
-//! Well-stratified random numbers for independent samples.
+//! Well-stratified random numbers for independent sampling.
 
-use super::mixed;
+use crate::engine::mixed;
 use crate::instructions::{InstructionSet, Work};
 use rand_pcg::rand_core::TryRng;
 use std::convert::Infallible;
