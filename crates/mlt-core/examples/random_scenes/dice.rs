@@ -3,7 +3,7 @@
 use mlt_core::engine::{Generator, Purpose, generator, uniform};
 use mlt_core::glam::{DVec3, Vec3};
 
-/// What decides a room.
+/// Random numbers that decide a room.
 pub(crate) struct Dice(Generator);
 
 impl Dice {

@@ -1,6 +1,7 @@
 //! Random rooms, each rendered by every method: they have to agree, on any number of threads.
 //!
 //!     cargo run --release -p mlt-core --example random_scenes -- FIRST COUNT
+//!     cargo run --release -p mlt-core --example random_scenes -- ROOM         # describes one, and shows what each method sees
 //!
 //! Rooms have numbers, which decide all of them. Images of 8×8 pixels are compared by the means of the whole and of its quarters, channel
 //! by channel. Where two methods differ by more than 4 standard errors both are rendered anew with eight times the samples, up to

@@ -11,7 +11,7 @@
 //! So a lamp in the plane of a ceiling shines, a rug on a floor is seen, two lamps back to back shine to both sides, and of a
 //! lamp that is there twice one shines. Triangles of one material that emits nothing need no rule: either will do.
 //!
-//! What passes through such a place passes the surfaces of both of its sides, where these are two: `scene/veil.rs`.
+//! Light that crosses such a place passes the surfaces of both of its sides, where these are two: `scene/veil.rs`.
 //!
 //! A triangle that is there on both of its sides needs no rule either. The others are [`shared`](Primitive::shared); only hits
 //! of those cost anything.

@@ -113,8 +113,7 @@ fn a_wall_behind_glass_and_a_rug_on_a_floor_are_seen() {
     assert!(pane.scene.overlaps().is_empty() && rug.scene.overlaps().is_empty());
 }
 
-/// Neighbours that share an edge or part of one, crossing walls, and a lamp a little below a ceiling are no ties.
-/// What passes through lamps in one place passes both ways alike: from above the large veil is seen, from below the small lamp.
+/// As much light crosses lamps in one place from above, where the large veil is seen, as from below, where the small lamp is.
 #[test]
 fn as_much_passes_up_as_down() {
     for (opacity, expected) in [(1.0, 0.0), (0.5, 0.375)] {
@@ -143,6 +142,7 @@ fn as_much_passes_up_as_down() {
     }
 }
 
+/// Neighbours that share an edge or part of one, crossing walls, and a lamp a little below a ceiling are no ties.
 #[test]
 fn what_touches_or_stands_apart_is_not_tied() {
     let v = DVec3::new;
