@@ -89,6 +89,16 @@ fn adaptive_weights_are_unbiased() {
 }
 
 #[test]
+fn adaptive_weights_are_unbiased_in_primary_sample_space() {
+    let stage = Stage::new("ring", [16, 16]);
+    for method in [Method::PrimaryBidirectional, Method::Multiplexed] {
+        agrees(&stage, |s| {
+            (s.method, s.stratification, s.adaptation) = (method, Stratification::Count(12), ADAPTIVE);
+        });
+    }
+}
+
+#[test]
 fn automatic_strata_are_unbiased() {
     let stage = Stage::new("ring", [16, 16]);
     agrees(&stage, |s| (s.stratification, s.adaptation) = (Stratification::Auto, ADAPTIVE));
@@ -129,17 +139,20 @@ fn rel_mse(image: &[f64], reference: &[f64]) -> f64 {
 #[test]
 fn adaptive_weights_pay_where_the_brightest_light_is_hidden() {
     let stage = Stage::new("hidden-light", [32, 24]);
-    let settings = |adaptation| {
+    let settings = |method, adaptation| {
         let cut = Stratification::Count(2);
-        Settings::new(Method::Metropolis, 16.0).with(|s| (s.stratification, s.adaptation) = (cut, adaptation))
+        Settings::new(method, 16.0).with(|s| (s.stratification, s.adaptation) = (cut, adaptation))
     };
-    let reference = stage.render(&settings(ADAPTIVE).with(|s| (s.seed, s.per_pixel) = (99, 512.0)), 8).0;
-    let error = |adaptation| -> f64 {
-        let run = |seed| rel_mse(&stage.render(&settings(adaptation).with(|s| s.seed = seed), 4).0, &reference);
-        (0..8).map(run).sum::<f64>() / 8.0
+    let long = settings(Method::Metropolis, ADAPTIVE).with(|s| (s.seed, s.per_pixel) = (99, 512.0));
+    let reference = stage.render(&long, 8).0;
+    let error = |method, adaptation| -> f64 {
+        let of_seed = |seed| settings(method, adaptation).with(|s| s.seed = seed);
+        (0..8).map(|seed| rel_mse(&stage.render(&of_seed(seed), 4).0, &reference)).sum::<f64>() / 8.0
     };
-    let (power, adaptive) = (error(BY_POWER), error(ADAPTIVE));
-    assert!(adaptive < 0.5 * power, "{adaptive} against {power}");
+    for method in [Method::Metropolis, Method::PrimaryBidirectional, Method::Multiplexed] {
+        let (power, adaptive) = (error(method, BY_POWER), error(method, ADAPTIVE));
+        assert!(adaptive < 0.5 * power, "{method:?}: {adaptive} against {power}");
+    }
 }
 
 #[test]

@@ -109,11 +109,11 @@ pub struct TransportOptions {
     #[arg(long, value_name = "STRATA", default_value_t, help_heading = heading::RESEARCH, hide_short_help = true)]
     #[serde(rename = "strata_option")]
     pub strata: Strata,
-    /// How mutations are shared among strata in mlt; adaptive if not given
+    /// How mutations are shared among strata in mlt, pssmlt and mmlt; adaptive if not given
     #[arg(long, value_enum, help_heading = heading::RESEARCH, hide_short_help = true)]
     #[serde(serialize_with = "or_default")]
     pub weights: Option<Weights>,
-    /// Rounds of each measurement of the pilot, for adaptive weights and automatic strata in mlt
+    /// Rounds of each measurement of the pilot, for adaptive weights and automatic strata
     #[arg(long, value_name = "N", default_value_t = 4, help_heading = heading::RESEARCH, hide_short_help = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(2..=64))]
     pub rounds_pilot: u64,

@@ -1,5 +1,6 @@
 //! How light transport is computed.
 
+mod adapt;
 pub mod auto;
 mod bidirectional;
 mod counts;

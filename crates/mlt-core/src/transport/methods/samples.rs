@@ -13,7 +13,7 @@ use crate::transport::scene::View;
 #[derive(Clone, Copy)]
 pub(crate) struct Samples {
     /// Mutations for one of them on a small image of an unknown scene.
-    usual: u64,
+    pub(super) usual: u64,
     /// c, the work of one in mutations.
     cost: f64,
 }

@@ -1,6 +1,6 @@
 //! Settings: all that decides the bits of a render.
 
-use super::metropolis::adapt::Adaptation;
+use super::adapt::Adaptation;
 use super::metropolis::mutate::perturbations::Perturbations;
 use super::metropolis::variant::Variant;
 use crate::transport::image::Target;

@@ -16,7 +16,7 @@ pub use features::{NOWHERE, SurfaceFeatures, strongest_strata, surfaces};
 /// First bytes of what a pilot found.
 const MAGIC: [u8; 8] = *b"mlt-plan";
 /// Version of their format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// A method that is set up for a view.
 #[derive(Debug)]

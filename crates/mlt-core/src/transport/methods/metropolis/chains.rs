@@ -1,12 +1,12 @@
 //! Chains of a render and of its pilot.
 
-use super::adapt::{Adaptation, Adapted, Pilot, Weights};
 use super::mutate::PathMutation;
 use super::stratum::{LightStratum, with_met};
 use super::variant::Variant;
 use crate::engine::{MUTATIONS_PER_SAMPLE, Metropolis, Mixture, Share, Watch, shares_by_power};
 use crate::transport::image::{PixelImportance, error_weights};
 use crate::transport::lights::{LightRegion, LightStrata};
+use crate::transport::methods::adapt::{Adaptation, Adapted, Pilot, Weights};
 use crate::transport::methods::run::metropolis;
 use crate::transport::methods::samples::{Samples, fitted_shares, mutations_per_sample, paired};
 use crate::transport::methods::settings::Settings;

@@ -1,11 +1,11 @@
 //! Stratified Metropolis light transport in path space.
 
-pub(super) mod adapt;
 mod chains;
 pub mod mutate;
 pub(super) mod stratum;
 pub(super) mod variant;
 
+use super::adapt::Adapted;
 use super::counts::PilotCounts;
 use super::found::{put_shares, read_shares};
 use super::run::Run;
@@ -16,11 +16,10 @@ use crate::engine::{Counted, DecodeError, Outcome, Reader, Share, Watch};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightStrata;
 use crate::transport::scene::View;
-use adapt::Adapted;
 use chains::PathChains;
 use stratum::with_met;
 
-pub use adapt::{Adaptation, Weights};
+pub use super::adapt::{Adaptation, Weights};
 pub use mutate::{PathMutation, Perturbations};
 pub use stratum::LightStratum;
 pub use variant::Variant;

@@ -4,25 +4,17 @@
 //!
 //! Source: [HachisukaKaplanyanDachsbacher14]; there, each chain keeps the length that it started with.
 
-use super::Part;
-use super::chains::PrimaryChains;
-use crate::engine::{DecodeError, Importance, Outcome, Reader, Share, Splat, Watch, uniform, uniform_f32};
-use crate::primary::{Output, PrimaryStratum, Stream, Streams, Tracer};
+use super::{Part, PrimaryMetropolis, STREAMS, Tracers};
+use crate::engine::{Importance, Splat, uniform, uniform_f32};
+use crate::primary::{Output, Stream, Streams, Tracer};
 use crate::transport::image::PixelImportance;
-use crate::transport::methods::counts::PilotCounts;
-use crate::transport::methods::run::Run;
-use crate::transport::methods::samples::{Samples, paired};
-use crate::transport::methods::settings::Settings;
+use crate::transport::methods::samples::Samples;
 use crate::transport::paths::mis::Ends;
 use crate::transport::paths::subpath::{
     light_numbers, start_at_eye, start_at_light, start_near, step_from_eye, step_from_light,
 };
 use crate::transport::paths::{LightPath, PathVertex, mis, set_scattering};
-use crate::transport::scene::View;
 use glam::Vec2;
-
-/// Numbers of length, technique and the light's subpath; of the camera's.
-const STREAMS: usize = 2;
 
 /// Scale of the law of lengths: P(K ≥ k) = (c/(k − 1 + c))².
 const LENGTH_SCALE: f64 = 6.0;
@@ -174,59 +166,37 @@ impl<I> Multiplexed<'_, I> {
     }
 }
 
-/// Stratified Metropolis over the random numbers of single paths.
-#[derive(Debug)]
-pub struct Mmlt<'a> {
-    chains: PrimaryChains<'a>,
+/// Probability of a large step times the image's side in pixels: a fresh path is seldom worth as much as a sample of all techniques, but
+/// small steps are up to a 64th of the image, which on a small one is within the pixel.
+const LARGE_STEPS: f64 = 25.0;
+
+/// Single paths of all strata.
+#[derive(Clone, Debug)]
+pub(in crate::transport) struct Multiplexing {
     techniques: Techniques,
-    shares: Vec<Share>,
-    pilot: PilotCounts,
 }
 
-impl<'a> Mmlt<'a> {
-    /// Cuts the lights and measures how many samples a round needs; nothing if that is stopped.
-    pub fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
-        let techniques = Techniques::new(settings.most_edges());
-        let chains = PrimaryChains::new(view, settings, watch)?;
-        let (shares, pilot) = chains.shares(strata(&chains, &techniques), Samples::MULTIPLEXED, watch)?;
-        Some(Self { chains, techniques, shares, pilot })
+impl Tracers for Multiplexing {
+    type Output = Weighted;
+    type Of<'s> = Multiplexed<'s, PixelImportance>;
+
+    const SAMPLES: Samples = Samples::MULTIPLEXED;
+
+    fn new(max_edges: usize) -> Self {
+        Self { techniques: Techniques::new(max_edges) }
     }
 
-    /// The same with what [`pilot`](Self::pilot) gives.
-    pub(in crate::transport) fn following(
-        view: View<'a>,
-        settings: Settings,
-        from: &mut Reader,
-    ) -> Result<Self, DecodeError> {
-        let techniques = Techniques::new(settings.most_edges());
-        let (chains, shares, pilot) = PrimaryChains::following(view, settings, from)?;
-        Ok(Self { chains, techniques, shares, pilot })
+    fn of<'s>(&'s self, part: Part<'s, PixelImportance>) -> Self::Of<'s> {
+        Multiplexed { part, techniques: &self.techniques }
     }
 
-    /// Measurements before the first round, as bytes.
-    pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
-        self.chains.found(&self.shares, self.pilot)
-    }
-
-    /// Adds rounds.
-    pub fn render(&self, run: Run) -> Outcome {
-        let strata = strata(&self.chains, &self.techniques);
-        self.chains.render(&paired(strata, &self.shares), large_steps(self.chains.pixels()), self.pilot, run)
+    fn large_steps(pixels: u32) -> f64 {
+        (LARGE_STEPS / f64::from(pixels).sqrt()).clamp(0.1, 0.3)
     }
 }
 
-fn strata<'s>(
-    chains: &'s PrimaryChains,
-    techniques: &'s Techniques,
-) -> Vec<PrimaryStratum<Multiplexed<'s, PixelImportance>>> {
-    chains.part().all(|part| Multiplexed { part, techniques })
-}
-
-/// Probability of a large step on an image of so many pixels: a fresh path is seldom worth as much as a sample of all
-/// techniques, but small steps are up to a 64th of the image, which on a small one is within the pixel.
-fn large_steps(pixels: u32) -> f64 {
-    (25.0 / f64::from(pixels).sqrt()).clamp(0.1, 0.3)
-}
+/// Stratified Metropolis over the random numbers of single paths.
+pub(in crate::transport) type Mmlt<'a> = PrimaryMetropolis<'a, Multiplexing>;
 
 #[cfg(test)]
 mod tests {

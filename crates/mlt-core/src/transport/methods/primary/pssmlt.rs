@@ -2,24 +2,16 @@
 //!
 //! Source: [KelemenSzirmayKalos02], section 4.
 
-use super::Part;
-use super::chains::PrimaryChains;
-use crate::engine::{DecodeError, Importance, Outcome, Reader, Share, Splat, Watch};
-use crate::primary::{Output, PrimaryStratum, Streams, Tracer};
+use super::{Part, PrimaryMetropolis, STREAMS, Tracers};
+use crate::engine::{Importance, Splat};
+use crate::primary::{Output, Streams, Tracer};
 use crate::transport::image::PixelImportance;
 use crate::transport::methods::bidirectional::Bidirectional;
-use crate::transport::methods::counts::PilotCounts;
-use crate::transport::methods::run::Run;
-use crate::transport::methods::samples::{Samples, paired};
-use crate::transport::methods::settings::Settings;
+use crate::transport::methods::samples::Samples;
 use crate::transport::paths::LightPath;
-use crate::transport::scene::View;
 
 /// Probability of a large step.
 const LARGE_STEPS: f64 = 0.3;
-
-/// Numbers of the light's subpath, numbers of the camera's.
-const STREAMS: usize = 2;
 
 /// F(u) = Σ_{s,t} q_j w_s f / p_s over the connections of the two subpaths.
 #[derive(Clone, Copy, Debug)]
@@ -77,43 +69,28 @@ impl<I: Importance<LightPath>> Tracer<STREAMS> for AllConnections<'_, I> {
     }
 }
 
+/// Bidirectional samples of all strata.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::transport) struct Connecting;
+
+impl Tracers for Connecting {
+    type Output = Splats;
+    type Of<'s> = AllConnections<'s, PixelImportance>;
+
+    const SAMPLES: Samples = Samples::BIDIRECTIONAL;
+
+    fn new(_max_edges: usize) -> Self {
+        Self
+    }
+
+    fn of<'s>(&'s self, part: Part<'s, PixelImportance>) -> Self::Of<'s> {
+        AllConnections { part }
+    }
+
+    fn large_steps(_pixels: u32) -> f64 {
+        LARGE_STEPS
+    }
+}
+
 /// Stratified Metropolis over the random numbers of bidirectional samples.
-#[derive(Debug)]
-pub struct Pssmlt<'a> {
-    chains: PrimaryChains<'a>,
-    shares: Vec<Share>,
-    pilot: PilotCounts,
-}
-
-impl<'a> Pssmlt<'a> {
-    /// Cuts the lights and measures how many samples a round needs; nothing if that is stopped.
-    pub fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
-        let chains = PrimaryChains::new(view, settings, watch)?;
-        let (shares, pilot) = chains.shares(strata(&chains), Samples::BIDIRECTIONAL, watch)?;
-        Some(Self { chains, shares, pilot })
-    }
-
-    /// The same with what [`pilot`](Self::pilot) gives.
-    pub(in crate::transport) fn following(
-        view: View<'a>,
-        settings: Settings,
-        from: &mut Reader,
-    ) -> Result<Self, DecodeError> {
-        let (chains, shares, pilot) = PrimaryChains::following(view, settings, from)?;
-        Ok(Self { chains, shares, pilot })
-    }
-
-    /// Measurements before the first round, as bytes.
-    pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
-        self.chains.found(&self.shares, self.pilot)
-    }
-
-    /// Adds rounds.
-    pub fn render(&self, run: Run) -> Outcome {
-        self.chains.render(&paired(strata(&self.chains), &self.shares), LARGE_STEPS, self.pilot, run)
-    }
-}
-
-fn strata<'s>(chains: &'s PrimaryChains) -> Vec<PrimaryStratum<AllConnections<'s, PixelImportance>>> {
-    chains.part().all(|part| AllConnections { part })
-}
+pub(in crate::transport) type Pssmlt<'a> = PrimaryMetropolis<'a, Connecting>;
