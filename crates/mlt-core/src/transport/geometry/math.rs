@@ -1,7 +1,7 @@
 //! Small geometry: products, frames and maps from the unit square.
 
 use glam::{Vec2, Vec3A, Vec3Swizzles, Vec4};
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// v/|v|, to the same bits on every machine: glam's `normalize` divides on x86-64, and multiplies by the reciprocal on aarch64.
 #[inline(always)]
@@ -76,6 +76,49 @@ pub(crate) fn turn(u: f32) -> Vec2 {
     eighth_turn(FRAC_PI_2 * (4.0 * u - quarter as f32)).rotate(QUARTER_TURNS[quarter % 4])
 }
 
+/// The angle in [0, π] whose cosine is `x`, to 10⁻⁶: √(1 − |x|) times a polynomial, the same bits on every machine, and no call.
+///
+/// Source: Abramowitz & Stegun, "Handbook of Mathematical Functions", 4.4.46.
+#[inline]
+pub(crate) fn acos(x: f32) -> f32 {
+    const TERMS: [f32; 8] = [
+        -0.001_262_491_1,
+        0.006_670_090,
+        -0.017_088_126,
+        0.030_891_881,
+        -0.050_174_305,
+        0.088_978_99,
+        -0.214_598_8,
+        1.570_796_3,
+    ];
+    let from_end = 1.0 - x.abs().min(1.0);
+    let angle = from_end.sqrt() * TERMS.iter().fold(0.0, |sum, term| sum * (1.0 - from_end) + term);
+    if x < 0.0 { PI - angle } else { angle }
+}
+
+/// The angle in [−π, π] of the point (x, y), to 10⁻⁶; 0 at the origin. The same bits on every machine, and no call.
+///
+/// Source: Abramowitz & Stegun, 4.4.49.
+#[inline]
+pub(crate) fn atan2(y: f32, x: f32) -> f32 {
+    const TERMS: [f32; 9] = [
+        0.002_866_225_7,
+        -0.016_165_737,
+        0.042_909_61,
+        -0.075_289_64,
+        0.106_562_64,
+        -0.142_088_99,
+        0.199_935_51,
+        -0.333_331_45,
+        1.0,
+    ];
+    let (across, along) = (y.abs(), x.abs());
+    let slope = across.min(along) / across.max(along).max(f32::MIN_POSITIVE);
+    let angle = slope * TERMS.iter().fold(0.0, |sum, term| sum * (slope * slope) + term);
+    let from_axis = if across > along { FRAC_PI_2 - angle } else { angle };
+    (if x < 0.0 { PI - from_axis } else { from_axis }).copysign(y)
+}
+
 /// A direction about the unit vector `n` with density cosθ/π, sr⁻¹.
 #[inline(always)]
 pub fn cosine_hemisphere(n: Vec3A, u: Vec2) -> Vec3A {
@@ -124,6 +167,19 @@ mod tests {
             let expected = Vec2::new(angle.cos() as f32, angle.sin() as f32);
             assert!(turn(i as f32 / 1000.0).distance(expected) < 5e-7, "{i}");
         }
+    }
+
+    #[test]
+    fn angles_are_those_of_their_cosines_and_points() {
+        for i in -1000..=1000 {
+            let x = i as f32 / 1000.0;
+            assert!((f64::from(acos(x)) - f64::from(x).acos()).abs() < 1e-6, "{x}");
+            let angle = f64::from(x) * std::f64::consts::PI;
+            let of_point = atan2((3.0 * angle.sin()) as f32, (3.0 * angle.cos()) as f32);
+            let off = (f64::from(of_point) - angle).abs();
+            assert!(off.min(std::f64::consts::TAU - off) < 1e-6, "{angle}: {of_point}");
+        }
+        assert_eq!([acos(1.5), atan2(0.0, 0.0)], [0.0; 2]);
     }
 
     #[test]

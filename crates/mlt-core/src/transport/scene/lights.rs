@@ -3,7 +3,6 @@
 use super::light::{Environment, Light, LightPoint, PunctualLight, Surroundings};
 use super::material::Material;
 use super::textures::{Attributes, Texture};
-use crate::transport::colour::Rgb;
 use crate::transport::geometry::{LIGHT, Mesh, Space, Sphere, hilbert};
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
@@ -61,11 +60,11 @@ impl Lights {
         self
     }
 
-    /// The lights that are met in a unit direction where no surface is, with their radiance there.
+    /// The lights that are met in a unit direction where no surface is.
     #[inline]
-    pub(super) fn in_direction(&self, direction: Vec3A) -> impl Iterator<Item = (u32, Rgb)> {
-        let met = move |&light: &u32| Some((light, self.lights[light as usize].met_in(direction)?));
-        self.distant.iter().filter_map(met)
+    pub(super) fn in_direction(&self, direction: Vec3A) -> impl Iterator<Item = (u32, &Light)> {
+        let distant = self.distant.iter().map(|&light| (light, &self.lights[light as usize]));
+        distant.filter(move |(_, light)| light.is_seen_in(direction))
     }
 
     /// The light of a vertex's primitive.

@@ -138,12 +138,20 @@ impl Light {
         }
     }
 
-    /// Radiance from a unit direction of a distant light that has an extent, if it is seen there.
-    pub(super) fn met_in(&self, direction: Vec3A) -> Option<Rgb> {
+    /// Whether a distant light that has an extent is seen in a unit direction.
+    pub(super) fn is_seen_in(&self, direction: Vec3A) -> bool {
         match &self.shape {
-            Shape::Environment(around) => Some(around.radiance(direction.into())),
-            Shape::Sun(sun) => sun.holds(direction).then_some(self.emission),
-            Shape::Area(_) | Shape::Point(_) | Shape::Direction(_) => None,
+            Shape::Environment(_) => true,
+            Shape::Sun(sun) => sun.holds(direction),
+            Shape::Area(_) | Shape::Point(_) | Shape::Direction(_) => false,
+        }
+    }
+
+    /// Radiance from a unit direction that a distant light is seen in.
+    pub(super) fn radiance(&self, direction: Vec3A) -> Rgb {
+        match &self.shape {
+            Shape::Environment(around) => around.radiance(direction.into()),
+            _ => self.emission,
         }
     }
 

@@ -6,7 +6,9 @@
 //!
 //! Above the centres of the first row and below those of the last one luminance does not depend on z.
 
-use glam::DVec2;
+use super::guide::Guide;
+use crate::transport::colour::{Rgb, luminance};
+use glam::{DVec2, Vec4};
 use std::f64::consts::{PI, TAU};
 
 /// The map from the unit square, u to heights from the top down, v to columns.
@@ -20,8 +22,12 @@ pub(super) struct Distribution {
     above: Vec<f64>,
     /// Row by row: ∫ luminance from the first pixel's centre to that of each next one, in pixels; the last one is the first again.
     along: Vec<f64>,
-    /// Luminance of each pixel.
-    luminance: Vec<f32>,
+    /// Where to look in `above`.
+    to_rows: Guide,
+    /// Where to look in `along`, row by row.
+    to_columns: Vec<Guide>,
+    /// Radiance of each pixel and, last, its luminance: together, as whoever asks for one soon asks for the other.
+    pixels: Vec<Vec4>,
 }
 
 /// A place between four pixels.
@@ -36,18 +42,21 @@ pub(super) struct Place {
 }
 
 impl Distribution {
-    pub(super) fn new(size: [usize; 2], luminance: Vec<f32>) -> Self {
+    pub(super) fn new(size: [usize; 2], pixels: &[Rgb]) -> Self {
         let [width, height] = size;
+        let pixels: Vec<Vec4> = pixels.iter().map(|&pixel| pixel.extend(luminance(pixel))).collect();
         let centre = |j: usize| libm::cos(PI * (j as f64 + 0.5) / height as f64);
         let heights: Vec<f64> = [1.0].into_iter().chain((0..height).map(centre)).chain([-1.0]).collect();
-        let along = luminance.chunks_exact(width).flat_map(|row| {
+        let along = pixels.chunks_exact(width).flat_map(|row| {
             let mut sum = 0.0;
             (0..width).map(move |i| {
-                sum += 0.5 * (f64::from(row[i]) + f64::from(row[(i + 1) % width]));
+                sum += 0.5 * (f64::from(row[i].w) + f64::from(row[(i + 1) % width].w));
                 sum
             })
         });
-        let mut it = Self { size, heights, above: Vec::new(), along: along.collect(), luminance };
+        let along: Vec<f64> = along.collect();
+        let to_columns = along.chunks_exact(width).map(Guide::new).collect();
+        let mut it = Self { size, heights, above: Vec::new(), along, to_rows: Guide::default(), to_columns, pixels };
         let total = it.integral(|row| it.row_total(row));
         let mut sum = 0.0;
         let up_to = |part| {
@@ -55,6 +64,7 @@ impl Distribution {
             sum
         };
         it.above = it.parts(|row| it.row_total(row)).map(up_to).collect();
+        it.to_rows = Guide::new(&it.above);
         it
     }
 
@@ -108,12 +118,13 @@ impl Distribution {
     /// The place of a point of the unit square.
     #[inline]
     pub(super) fn at(&self, u: f64, v: f64) -> Place {
-        let row = self.above.partition_point(|&end| end <= u).min(self.size[1]);
+        let rows = self.to_rows.range(u);
+        let row = (rows.start + self.above[rows].partition_point(|&end| end <= u)).min(self.size[1]);
         let begin = if row == 0 { 0.0 } else { self.above[row - 1] };
         let totals = self.rows(row).map(|row| self.row_total(row));
         let down = trapezium_inverse(totals, (u - begin) / (self.above[row] - begin));
+        let column = self.column(row, down, v);
         let target = v * mix(totals, down);
-        let column = self.column(row, down, target);
         let ends = self.columns(column).map(|column| self.luminance_at(row, down, column));
         let share = (target - self.before(row, down, column)) / (0.5 * (ends[0] + ends[1]));
         Place { row, down, column, right: trapezium_inverse(ends, share) }
@@ -132,9 +143,15 @@ impl Distribution {
         DVec2::new(u, if all > 0.0 { passed / all } else { 0.0 }).clamp(DVec2::ZERO, DVec2::ONE)
     }
 
-    /// The last column that has no more than `target` before it.
-    fn column(&self, row: usize, down: f64, target: f64) -> usize {
-        let (mut low, mut high) = (0, self.size[0]);
+    /// The last column that has no more than the share `v` of the luminance at a height before it. Where a mixture of two rows reaches a
+    /// share, one of them has reached it and the other one has not gone beyond.
+    #[inline]
+    fn column(&self, row: usize, down: f64, v: f64) -> usize {
+        let rows = self.rows(row);
+        let [a, b] = rows.map(|row| self.to_columns[row].range(v));
+        let target = v * mix(rows.map(|row| self.row_total(row)), down);
+        let last = self.size[0] - 1;
+        let (mut low, mut high) = (a.start.min(b.start).min(last), a.end.max(b.end).min(last) + 1);
         while high - low > 1 {
             let middle = (low + high) / 2;
             if self.before(row, down, middle) <= target { low = middle } else { high = middle }
@@ -151,7 +168,23 @@ impl Distribution {
 
     #[inline]
     fn luminance_at(&self, row: usize, down: f64, column: usize) -> f64 {
-        mix(self.rows(row).map(|row| f64::from(self.luminance[row * self.size[0] + column])), down)
+        mix(self.rows(row).map(|row| f64::from(self.pixels[row * self.size[0] + column].w)), down)
+    }
+
+    /// Radiance at a place.
+    #[inline]
+    pub(super) fn radiance(&self, place: &Place) -> Rgb {
+        let columns = self.columns(place.column);
+        let [above, below] = self.rows(place.row).map(|row| {
+            let [left, right] = columns.map(|column| self.pixels[row * self.size[0] + column]);
+            left.lerp(right, place.right as f32)
+        });
+        above.lerp(below, place.down as f32).truncate()
+    }
+
+    /// Largest radiance of a pixel, channel by channel.
+    pub(super) fn brightest(&self) -> Rgb {
+        self.pixels.iter().copied().fold(Vec4::ZERO, Vec4::max).truncate()
     }
 
     /// ∫ luminance along a row.

@@ -8,6 +8,7 @@
 //! per area. docs/theory-lights.md.
 
 mod distribution;
+mod guide;
 mod surroundings;
 
 use crate::transport::colour::Rgb;

@@ -2,9 +2,9 @@
 
 use super::distribution::{Distribution, Place};
 use super::{Environment, azimuth};
-use crate::transport::colour::{Rgb, luminance};
+use crate::transport::colour::Rgb;
 use crate::transport::geometry::Sphere;
-use crate::transport::geometry::math::{turn, unit};
+use crate::transport::geometry::math::{acos, atan2, turn, unit};
 use crate::transport::scene::light::{Light, Shape};
 use glam::{DVec3, Vec3, Vec3A};
 use std::f64::consts::{PI, TAU};
@@ -13,7 +13,6 @@ use std::f64::consts::{PI, TAU};
 #[derive(Clone, Debug)]
 pub(crate) struct Surroundings {
     size: [u32; 2],
-    pixels: Vec<Rgb>,
     distribution: Distribution,
     /// By which it is turned, as a share of a turn.
     rotation: f64,
@@ -26,11 +25,11 @@ impl Surroundings {
     pub(in crate::transport::scene) fn light(environment: Environment, sphere: Sphere) -> Light {
         let Environment { size, mut pixels, rotation, strength, .. } = environment;
         pixels.iter_mut().for_each(|pixel| *pixel = (*pixel * strength).min(Rgb::MAX));
-        let distribution = Distribution::new(size.map(|n| n as usize), pixels.iter().map(|&p| luminance(p)).collect());
+        let distribution = Distribution::new(size.map(|n| n as usize), &pixels);
         let rows: Vec<DVec3> =
             pixels.chunks_exact(size[0] as usize).map(|row| row.iter().map(|p| p.as_dvec3()).sum()).collect();
         let mean = [0, 1, 2].map(|channel| (distribution.integral(|row| rows[row][channel]) / (4.0 * PI)) as f32);
-        let around = Self { size, pixels, distribution, rotation: rotation / TAU, sphere };
+        let around = Self { size, distribution, rotation: rotation / TAU, sphere };
         let shape = Shape::Environment(Box::new(around));
         Light::new(shape, 4.0 * PI, mean.into())
     }
@@ -42,14 +41,14 @@ impl Surroundings {
 
     /// Largest radiance of a pixel, channel by channel.
     pub(crate) fn brightest(&self) -> Rgb {
-        self.pixels.iter().copied().fold(Rgb::ZERO, Rgb::max)
+        self.distribution.brightest()
     }
 
     /// The unit direction towards a point of the unit square.
     pub(crate) fn direction(&self, u: f64, v: f64) -> Vec3A {
         let place = self.distribution.at(u, v);
         let azimuth = azimuth(place.column as f64 + place.right, self.size[0]) / TAU - self.rotation;
-        let around = turn((azimuth - libm::floor(azimuth)) as f32);
+        let around = turn(fraction(azimuth) as f32);
         let z = self.distribution.height(&place);
         let radius = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt() as f32;
         unit(Vec3A::new(radius * around.x, z as f32, radius * around.y))
@@ -62,19 +61,20 @@ impl Surroundings {
 
     /// Radiance from a unit direction.
     pub(crate) fn radiance(&self, direction: Vec3) -> Rgb {
-        let place = self.place(direction);
-        let columns = self.distribution.columns(place.column);
-        let [above, below] = self.distribution.rows(place.row).map(|row| {
-            let [left, right] = columns.map(|column| self.pixels[row * self.size[0] as usize + column]);
-            left.lerp(right, place.right as f32)
-        });
-        above.lerp(below, place.down as f32)
+        self.distribution.radiance(&self.place(direction))
     }
 
     fn place(&self, direction: Vec3) -> Place {
-        let polar = f64::from(libm::acosf(direction.y.clamp(-1.0, 1.0))) / PI;
+        let polar = f64::from(acos(direction.y)) / PI;
         let columns = f64::from(self.size[0]);
-        let from_first = f64::from(libm::atan2f(direction.z, direction.x)) / TAU + 0.5 + self.rotation - 0.5 / columns;
-        self.distribution.place(f64::from(direction.y), polar, from_first - libm::floor(from_first))
+        let from_first = f64::from(atan2(direction.z, direction.x)) / TAU + 0.5 + self.rotation - 0.5 / columns;
+        self.distribution.place(f64::from(direction.y), polar, fraction(from_first))
     }
+}
+
+/// x − ⌊x⌋, of numbers of few turns.
+#[inline]
+fn fraction(x: f64) -> f64 {
+    let rest = x - f64::from(x as i32);
+    if rest < 0.0 { rest + 1.0 } else { rest }
 }
