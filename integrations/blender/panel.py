@@ -26,7 +26,7 @@ class Panel(bpy.types.Panel):
         layout.operator(Render.bl_idname)
         if Render.running:
             layout.progress(factor=Render.running.share, text=Render.running.progress or "Starting")
-            layout.label(text="Escape ends it and shows the image so far")
+            layout.label(text="Escape ends it early")
 
 
 def render_menu(menu, _context):

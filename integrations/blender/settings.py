@@ -32,7 +32,7 @@ class Settings(bpy.types.PropertyGroup):
             ("SAMPLES", "Samples", "Stop after this many samples per pixel"),
         ),
     )
-    error: FloatProperty(name="Error", description="Relative error, in percent", default=2.0, min=0.01, max=100.0)
+    error: FloatProperty(name="Error", description="Relative error", subtype="PERCENTAGE", default=2.0, min=0.01, max=100.0)
     seconds: IntProperty(name="Seconds", description="Time, in seconds", default=60, min=1)
     samples: IntProperty(name="Samples", description="Samples per pixel", default=256, min=1)
     method: EnumProperty(
@@ -50,7 +50,7 @@ class Settings(bpy.types.PropertyGroup):
     threads: IntProperty(name="Threads", description="0 for all processors", default=0, min=0)
     seed: IntProperty(name="Seed", description="Same seed, same image", default=0, min=0)
     world_width: IntProperty(
-        name="World",
+        name="World Width",
         description="Width in pixels of the image of a world that is neither one colour nor an image file",
         default=2048,
         min=16,

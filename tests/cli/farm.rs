@@ -11,6 +11,7 @@ use std::{
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::frames::with_animation;
 use crate::resume::{command, folder, held, made, refused, run, same};
 
 const RENDER: &str =
@@ -79,7 +80,7 @@ fn copies_of_a_task_and_killed_ones_do_no_harm() {
 }
 
 /// Words that a shell or a scheduler would take for something else.
-const HOSTILE: &str = "it's {{Task.Param.Shard}} $(touch harm) `touch harm` %a \"x\";touch harm # *";
+const HOSTILE: &str = "it's {{Task.Param.Number}} $(touch harm) `touch harm` %a \"x\";touch harm # *";
 
 /// A copy of a scene under a hostile name, the job of its render, and the same render in one.
 fn job(folder: &TempDir, scheduler: &str) -> String {
@@ -108,26 +109,71 @@ fn no_harm(folder: &TempDir) {
 const SBATCH: &str = r#"#!/bin/sh
 cat > job.sh
 last=
-for word in "$@"; do case $word in --array=1-*) last=${word#--array=1-};; esac; done
+for word in "$@"; do case $word in --array=*) array=${word#--array=} first=${array%-*} last=${array#*-};; esac; done
 if [ -n "$last" ]; then
-    for i in $(seq "$last"); do SLURM_ARRAY_TASK_ID=$i sh job.sh >&2 || exit 1; done
+    for i in $(seq "$first" "$last"); do SLURM_ARRAY_TASK_ID=$i sh job.sh >&2 || exit 1; done
     echo 7
 else
     case "$*" in *--dependency=afterok:7\ *) sh job.sh >&2 && echo 8;; *) exit 1;; esac
 fi
 "#;
 
+/// Submits a job to the stand-in, which has to say this.
 #[cfg(unix)]
-#[test]
-fn a_slurm_job_renders_the_bits_of_one_machine() {
+fn submit(folder: &TempDir, script: &str, said: &str) {
     use std::os::unix::fs::PermissionsExt;
-    let folder = folder();
-    let script = job(&folder, "slurm");
     fs::write(folder.path().join("sbatch"), SBATCH).expect("written");
     fs::set_permissions(folder.path().join("sbatch"), fs::Permissions::from_mode(0o755)).expect("set");
     fs::write(folder.path().join("submit.sh"), script).expect("written");
-    shell(&folder, "test \"$(sh submit.sh)\" = 'parts: job 7; merge: job 8'");
+    shell(folder, &format!("test \"$(sh submit.sh)\" = '{said}'"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_slurm_job_renders_the_bits_of_one_machine() {
+    let folder = folder();
+    let script = job(&folder, "slurm");
+    submit(&folder, &script, "parts: job 7; merge: job 8");
     no_harm(&folder);
+}
+
+/// Frames are tasks: those of an array, and those of a template.
+#[cfg(unix)]
+#[test]
+fn frames_of_a_farm_have_the_bits_of_one_machine() {
+    let folder = folder();
+    with_animation(folder.path(), 0, 1.0);
+    let frames = "room.gltf --size 16x12 --method mlt --mutations-per-pixel 64 --threads 1 -q --frames 2-3 --fps 4 --frame-seeds own";
+    made(&folder, &format!("render {frames} -o whole.#.exr"));
+    let job = |scheduler: &str| {
+        let line = format!("farm {scheduler} -- {frames} --aov depth -o {scheduler}.##.exr");
+        let output = command(folder.path(), &line).stdout(Stdio::piped()).output().expect("mlt starts");
+        String::from_utf8(output.stdout).expect("text")
+    };
+    submit(&folder, &job("slurm"), "frames: job 7");
+    let template: Value = serde_json::from_str(&job("openjd")).expect("JSON");
+    let [step] = &template["steps"].as_array().expect("steps")[..] else { panic!("{template}") };
+    assert_eq!(step["parameterSpace"]["taskParameterDefinitions"][0]["range"], "2-3");
+    let task = step["script"]["embeddedFiles"][0]["data"].as_str().expect("text");
+    [2, 3].iter().for_each(|i| shell(&folder, &task.replace("{{Task.Param.Number}}", &i.to_string())));
+    for (whole, frame) in [("whole.2.exr", "02"), ("whole.3.exr", "03")] {
+        ["slurm", "openjd"].iter().for_each(|name| assert!(same(&folder, whole, &format!("{name}.{frame}.exr"))));
+    }
+    assert!(!same(&folder, "whole.2.exr", "slurm.03.exr"), "nothing moves");
+}
+
+/// A frame's sums are kept: its images are made from them again, and those of another render are refused.
+#[test]
+fn a_frame_that_is_done_is_not_rendered_again() {
+    let folder = folder();
+    let task = "farm task --parts frames --frame 1 -- cornell --size 16x16 --threads 1 --method pt --samples-per-pixel 16 --frames 1-2 -o f.#.exr";
+    made(&folder, task);
+    let sums = held(&folder, "frames/frame-1.mltp").sums.to_bytes();
+    fs::rename(folder.path().join("f.1.exr"), folder.path().join("first.exr")).expect("renamed");
+    made(&folder, task);
+    assert!(same(&folder, "first.exr", "f.1.exr") && held(&folder, "frames/frame-1.mltp").sums.to_bytes() == sums);
+    let message = refused(&folder, &format!("{task} --seed 3"));
+    assert!(message.contains("frames/frame-1.mltp: seed is 0 in it and 3 here"), "{message}");
 }
 
 #[cfg(unix)]
@@ -140,7 +186,7 @@ fn an_open_job_description_renders_the_bits_of_one_machine() {
     let (parts, merge) = (data(0), data(1));
     // The parameter is the only reference.
     assert_eq!((parts.matches("{{").count(), merge.matches("{{").count()), (1, 0), "{parts}");
-    (1..=3).for_each(|i| shell(&folder, &parts.replace("{{Task.Param.Shard}}", &i.to_string())));
+    (1..=3).for_each(|i| shell(&folder, &parts.replace("{{Task.Param.Number}}", &i.to_string())));
     shell(&folder, &merge);
     no_harm(&folder);
 }
@@ -158,6 +204,11 @@ fn a_job_that_cannot_run_is_refused_before_it_is_submitted() {
         ("farm openjd --shards 4 -- cornell -o none/a.exr", "the folder none does not exist"),
         ("farm slurm --shards 0 -- cornell", "--shards"),
         ("farm slurm -- cornell", "--shards"),
+        ("farm slurm --shards 4 -- cornell --frames 1-3 -o a.#.exr", "makes a task of each frame"),
+        ("farm slurm -- cornell --frames 1-3 -o a.exr", "a file of its own"),
+        ("farm openjd -- cornell --frames 1-3 --time 1m", "--samples-per-pixel"),
+        ("farm task --frame 4 -- cornell --frames 1-3", "none of the render's --frames"),
+        ("farm task -- cornell", "--shard"),
         ("farm slurm --shards 4 cornell", "unexpected argument"),
         ("farm slurm --shards 4 -- --help", "not options of a farm's render"),
         ("farm task --shard 5/4 -- cornell", "as in 1/4 to 4/4"),

@@ -11,6 +11,7 @@ use std::{
 
 use exr::prelude::*;
 use mlt_cli::output::exr::read;
+use serde_json::{Value, json};
 
 fn run(folder: &Path, line: &str) -> Output {
     let output = Command::new(env!("CARGO_BIN_EXE_mlt")).current_dir(folder).args(line.split_whitespace()).output();
@@ -109,7 +110,9 @@ fn parts_of_the_image_are_kept_and_merged() {
     made(folder.path(), &format!("{line} -o whole.exr"));
     made(folder.path(), &format!("{line} --shard 1/2 -o 1.mltp"));
     made(folder.path(), &format!("{line} --shard 2/2 -o 2.mltp"));
-    made(folder.path(), "merge 1.mltp 2.mltp -q -o merged.exr");
+    let report = run(folder.path(), "merge 1.mltp 2.mltp --json -o merged.exr").stdout;
+    let report: Value = serde_json::from_slice(&report).expect("JSON");
+    assert_eq!(report["crop"], json!({ "size": [24, 16], "corner": [4, 2] }));
     let [whole, merged] = ["whole.exr", "merged.exr"].map(|name| read(&folder.path().join(name)).expect("read"));
     assert!(whole.image.same_bits(&merged.image));
     let file = read_all_flat_layers_from_file(folder.path().join("merged.exr")).expect("an EXR");

@@ -76,7 +76,7 @@ impl Kept {
 
     /// The render as if it had just ended.
     fn finished(self, options: &RenderOptions) -> anyhow::Result<Finished> {
-        let mut report = render::report(options, &self.about.provenance, &self.sums);
+        let mut report = render::report(options, &self.about.provenance, &self.sums)?;
         report.set_time(self.about.spent);
         let (per_pixel, features) = (self.per_pixel()?, Features::default());
         let made = Made { per_pixel, pilot: self.pilot, about: self.about, report, features };

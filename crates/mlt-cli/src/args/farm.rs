@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{ArgGroup, Args, Subcommand};
 
 use super::kept::Shard;
 
@@ -13,6 +13,7 @@ const EXAMPLES: &str = "\
 Examples:
   mlt farm slurm --shards 100 -- room.glb --samples-per-pixel 1024 -o room.exr > room.sh     then: sh room.sh
   mlt farm openjd --shards 100 -- room.glb --samples-per-pixel 1024 -o room.exr > room.json
+  mlt farm slurm -- walk.glb --frames 1-240 --samples-per-pixel 256 -o walk.####.exr > walk.sh
 
 Paths are as seen from the current folder, which all machines have to share, with 'mlt' on their PATH.";
 
@@ -28,31 +29,35 @@ pub struct FarmOptions {
 /// Options of all farms.
 #[derive(Debug, Subcommand)]
 pub enum FarmCommand {
-    /// Write a shell script that submits a render to Slurm: a job array of parts, and a job that merges them
+    /// Write a shell script that submits a render to Slurm: a job array of parts and a job that merges them, or an array of frames
     Slurm(JobOptions),
     /// Write the same as an Open Job Description template, in JSON
     Openjd(JobOptions),
-    /// Make one part, as these jobs do: nothing if it is there, else from where it was
+    /// Make one part or frame, as these jobs do: from where it was
     Task(TaskOptions),
 }
 
-/// A render in parts.
+/// A render in parts, or in frames.
 #[derive(Args, Debug)]
 pub struct JobOptions {
-    /// Number of parts
+    /// Number of parts; frames of 'mlt render --frames' need none
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_PARTS))]
-    pub shards: u64,
+    pub shards: Option<u64>,
     /// The render, and where its parts go.
     #[command(flatten)]
     pub render: PartedOptions,
 }
 
-/// A part of a render.
+/// A part of a render, or a frame.
 #[derive(Args, Debug)]
+#[command(group = ArgGroup::new("number").args(["shard", "frame"]).required(true))]
 pub struct TaskOptions {
     /// Which of how many parts, as in 3/100
     #[arg(long, value_name = "I/N")]
-    pub shard: Shard,
+    pub shard: Option<Shard>,
+    /// Which of the --frames
+    #[arg(long, value_name = "N")]
+    pub frame: Option<u32>,
     /// The render, and where its parts go.
     #[command(flatten)]
     pub render: PartedOptions,
@@ -61,7 +66,7 @@ pub struct TaskOptions {
 /// A render, and where its parts go.
 #[derive(Args, Debug)]
 pub struct PartedOptions {
-    /// Folder for the parts; SCENE.parts in the current folder if not given
+    /// Folder for the parts, or for the sums of the frames; SCENE.parts in the current folder if not given
     #[arg(long, value_name = "DIR")]
     pub parts: Option<PathBuf>,
     /// The scene and the options of 'mlt render', after '--'

@@ -16,7 +16,7 @@ pub struct FrameOptions {
     ///
     /// Frame N is at N/FPS seconds, as Blender's exporter counts. The budget is that of each frame.
     #[arg(long, value_name = "A-B", hide_short_help = true, help_heading = heading::ANIMATION)]
-    #[arg(conflicts_with_all = ["time_in_animation", "checkpoint", "resume", "shard"])]
+    #[arg(conflicts_with_all = ["time_in_animation", "checkpoint", "resume", "pilot"])]
     pub frames: Option<Frames>,
     /// Frames per second
     #[arg(hide_short_help = true)]

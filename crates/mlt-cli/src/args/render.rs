@@ -169,12 +169,6 @@ impl RenderOptions {
         self.check_together()?;
         let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
         let targets = self.targets();
-        if let Some(target) = targets.iter().find(|target| self.frames.frames.is_some() && !target.is_numbered()) {
-            return usage(format!(
-                "-o {}: each of the --frames needs a file of its own; write #### where the frame's number goes, as in frame.####.exr",
-                target.path.display()
-            ));
-        }
         if self.keeping.shard.is_some() && !self.keeps_sums() {
             return usage(
                 "--shard: images of parts cannot be added up; add -o FILE.mltp, which 'mlt merge' takes".into(),
@@ -204,6 +198,18 @@ impl RenderOptions {
     /// Finds what is wrong with the options together.
     pub fn check_together(&self) -> Result<(), Failure> {
         let usage = |message: String| Err(Failure::Usage(anyhow::anyhow!(message)));
+        let unnumbered = |target: &OutputFile| self.frames.frames.is_some() && !target.is_numbered();
+        if let Some(target) = self.targets().into_iter().find(unnumbered) {
+            return usage(format!(
+                "-o {}: each of the --frames needs a file of its own; write #### where the frame's number goes, as in frame.####.exr",
+                target.path.display()
+            ));
+        }
+        if self.frames.frames.is_some() && self.keeping.shard.is_some() {
+            return usage(
+                "--frames: a frame is not cut into shards; 'mlt farm slurm -- SCENE --frames A-B' makes a task of each frame".into(),
+            );
+        }
         if self.mutations_per_pixel.is_some() && !self.method().mutates() {
             return usage(format!(
                 "--mutations-per-pixel: {} is not told how many to make; use --samples-per-pixel",

@@ -1,6 +1,9 @@
-//! A render in parts, as the words of a shell.
+//! A render in parts or frames, as the words of a shell.
 
-use std::path::{Path, PathBuf};
+use std::{
+    ops::RangeInclusive,
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, anyhow};
 use clap::Parser;
@@ -19,10 +22,19 @@ use crate::{
     usage,
 };
 
-/// The parts that the jobs of all schedulers have in common. Words are quoted for a POSIX shell.
+/// The tasks of a job, each by itself.
+#[derive(Clone)]
+pub(super) enum Tasks {
+    /// So many parts of one image, from 1 on.
+    Parts(u64),
+    /// Frames of an animation.
+    Frames(RangeInclusive<u32>),
+}
+
+/// What the jobs of all schedulers have in common. Words are quoted for a POSIX shell.
 pub(super) struct Job {
-    /// Number of tasks, one a part.
-    pub(super) tasks: u64,
+    /// Its tasks.
+    tasks: Tasks,
     /// Threads of each, if they were asked for.
     pub(super) threads: Option<usize>,
     /// The folder that paths are seen from.
@@ -38,14 +50,15 @@ pub(super) struct Job {
 impl Job {
     /// Finds what is wrong with a job before anything is submitted.
     pub(super) fn new(options: &JobOptions) -> Result<Self, Failure> {
-        let render = options_of(Shard::new(1, options.shards), &options.render)?;
+        let render = options_of(options.shards.map(|count| Shard::new(1, count)), &options.render)?;
         check(&render)?;
+        let tasks = Tasks::of(options.shards, &render)?;
         let folder = std::env::current_dir().context("cannot find the current folder")?;
         let outputs = render.images();
         let outputs = outputs.iter().map(|output| Ok(format!("-o {}", word(&output.path)?)));
         let words = options.render.words.iter().map(|text| word(Path::new(text)));
         Ok(Self {
-            tasks: options.shards,
+            tasks,
             threads: render.threads.map(std::num::NonZeroUsize::get),
             folder: word(&folder)?,
             parts: word(&parts_folder(&options.render, &render))?,
@@ -58,24 +71,57 @@ impl Job {
     pub(super) fn with_words(&self, change: impl Fn(&str) -> String) -> Self {
         let [folder, parts, render, outputs] =
             [&self.folder, &self.parts, &self.render, &self.outputs].map(|words| change(words));
-        Self { tasks: self.tasks, threads: self.threads, folder, parts, render, outputs }
+        Self { tasks: self.tasks.clone(), threads: self.threads, folder, parts, render, outputs }
+    }
+
+    /// The name of all its tasks.
+    pub(super) fn name(&self) -> &'static str {
+        match self.tasks {
+            Tasks::Parts(_) => "parts",
+            Tasks::Frames(_) => "frames",
+        }
+    }
+
+    /// The first and the last number of a task, as in 1-4.
+    pub(super) fn numbers(&self) -> String {
+        match &self.tasks {
+            Tasks::Parts(count) => format!("1-{count}"),
+            Tasks::Frames(frames) => format!("{}-{}", frames.start(), frames.end()),
+        }
     }
 
     /// The command of a task; `number` is what the scheduler puts its number in by.
     pub(super) fn task(&self, number: &str) -> String {
-        format!("mlt farm task --parts {} --shard {number}/{} -- {}", self.parts, self.tasks, self.render)
+        let one = match &self.tasks {
+            Tasks::Parts(count) => format!("--shard {number}/{count}"),
+            Tasks::Frames(_) => format!("--frame {number}"),
+        };
+        format!("mlt farm task --parts {} {one} -- {}", self.parts, self.render)
     }
 
-    /// The command that makes the images from the parts.
-    pub(super) fn merge(&self) -> String {
-        format!("mlt merge {}/part-*.mltp {}", self.parts, self.outputs)
+    /// The command that makes the images from the parts; frames are images already.
+    pub(super) fn merge(&self) -> Option<String> {
+        matches!(self.tasks, Tasks::Parts(_)).then(|| format!("mlt merge {}/part-*.mltp {}", self.parts, self.outputs))
     }
 }
 
-/// The options of a part of a render.
-pub(super) fn options_of(part: Shard, options: &PartedOptions) -> Result<RenderOptions, Failure> {
-    let shard = format!("--shard={part}");
-    let words = ["mlt", "render", &shard].into_iter().chain(options.words.iter().map(String::as_str));
+impl Tasks {
+    /// So many parts, or the frames of a render.
+    fn of(shards: Option<u64>, render: &RenderOptions) -> Result<Self, Failure> {
+        match (shards, &render.frames.frames) {
+            (Some(count), _) => Ok(Self::Parts(count)),
+            (None, Some(frames)) => Ok(Self::Frames(frames.0.clone())),
+            (None, None) => Err(Failure::Usage(anyhow!(
+                "nothing says what the tasks are: give --shards N before '--' for parts of one image, or --frames A-B behind it"
+            ))),
+        }
+    }
+}
+
+/// The options of a render, or of a part of it.
+pub(super) fn options_of(part: Option<Shard>, options: &PartedOptions) -> Result<RenderOptions, Failure> {
+    let shard = part.map(|part| format!("--shard={part}"));
+    let words = ["mlt", "render"].into_iter().chain(shard.as_deref()).chain(options.words.iter().map(String::as_str));
     let refused = |message: &str| Err(Failure::Usage(anyhow!("{message}")));
     match Cli::try_parse_from(words).map(|cli| cli.command) {
         Ok(Command::Render(options)) => Ok(*options),
@@ -106,7 +152,13 @@ pub(super) fn check_words(render: &RenderOptions) -> Result<(), Failure> {
             "the tasks of a farm name their .mltp files themselves; leave out --checkpoint, --resume, --pilot and -o FILE.mltp"
         )));
     }
-    if render.show.features() || render.show.denoise {
+    let has_frames = render.frames.frames.is_some();
+    if has_frames && (render.time.is_some() || render.error.is_some()) {
+        return Err(Failure::Usage(anyhow!(
+            "--time and --error: a frame that is begun again has to have the same bits; give a number, as by --samples-per-pixel"
+        )));
+    }
+    if !has_frames && (render.show.features() || render.show.denoise) {
         return Err(Failure::Usage(anyhow!("--aov and --denoise: parts hold sums of the image alone; leave them out")));
     }
     if render.outputs.iter().any(OutputFile::is_stdout) {

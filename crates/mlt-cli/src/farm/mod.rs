@@ -1,7 +1,7 @@
-//! `mlt farm`: renders in parts on many machines, by the schedulers that there are.
+//! `mlt farm`: renders in parts or frames on many machines, by the schedulers that there are.
 //!
-//! A job has one task for each part, and one that merges them. Tasks know nothing of each other: each is `mlt farm task`, and all that they
-//! share is a folder.
+//! A job has one task for each part and one that merges them, or one for each frame. Tasks know nothing of each other: each is
+//! `mlt farm task`, and all that they share is a folder.
 
 mod job;
 mod openjd;

@@ -13,19 +13,14 @@ const NOTICE: u32 = 30;
 /// A job template, in JSON.
 pub(super) fn template(job: &Job) -> anyhow::Result<String> {
     let job = &job.with_words(literal);
-    let parts = json!({
-        "name": "Parts",
-        "parameterSpace": {
-            "taskParameterDefinitions": [{ "name": "Shard", "type": "INT", "range": format!("1-{}", job.tasks) }],
-        },
-        "script": script(job, &job.task("{{Task.Param.Shard}}")),
+    let tasks = json!({
+        "name": job.name(),
+        "parameterSpace": { "taskParameterDefinitions": [{ "name": "Number", "type": "INT", "range": job.numbers() }] },
+        "script": script(job, &job.task("{{Task.Param.Number}}")),
     });
-    let merge = json!({
-        "name": "Merge",
-        "dependencies": [{ "dependsOn": "Parts" }],
-        "script": script(job, &job.merge()),
-    });
-    let template = json!({ "specificationVersion": "jobtemplate-2023-09", "name": "mlt", "steps": [parts, merge] });
+    let merge = |command: String| json!({ "name": "merge", "dependencies": [{ "dependsOn": job.name() }], "script": script(job, &command) });
+    let steps: Vec<_> = std::iter::once(tasks).chain(job.merge().map(merge)).collect();
+    let template = json!({ "specificationVersion": "jobtemplate-2023-09", "name": "mlt", "steps": steps });
     Ok(serde_json::to_string_pretty(&template).context("cannot encode the template")? + "\n")
 }
 

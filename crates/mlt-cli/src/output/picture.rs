@@ -1,6 +1,7 @@
 //! The content of an image file.
 
 use anyhow::bail;
+use serde::Serialize;
 
 use super::{Format, exr, hdr, jpg, png};
 use crate::image::Image;
@@ -23,7 +24,7 @@ impl Channel {
 }
 
 /// A larger image of which an image is a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Frame {
     /// Its width and height, pixels.
     pub size: [usize; 2],

@@ -196,7 +196,7 @@ impl<'a> Session<'a> {
 
     /// The report of the rounds so far.
     fn made(&self, sums: &Sums, interrupted: bool) -> anyhow::Result<Made> {
-        let (about, report) = (self.about()?, self.report(sums, interrupted));
+        let (about, report) = (self.about()?, self.report(sums, interrupted)?);
         let (per_pixel, pilot) = (self.round.per_pixel, self.renderer.pilot());
         Ok(Made { about, pilot, report, per_pixel, features: self.features.clone() })
     }
@@ -214,14 +214,14 @@ impl<'a> Session<'a> {
     }
 
     /// Everything but files.
-    fn report(&self, sums: &Sums, interrupted: bool) -> Report {
-        let mut report = report(self.options, &self.provenance, sums);
+    fn report(&self, sums: &Sums, interrupted: bool) -> anyhow::Result<Report> {
+        let mut report = report(self.options, &self.provenance, sums)?;
         let missed = self.plan.missed(report.rounds, report.relative_error);
         report.warnings.extend(missed.filter(|_| !interrupted));
         report.decision = self.renderer.decision().map(Decision::from);
         report.interrupted = interrupted;
         report.set_time(self.spent());
-        report
+        Ok(report)
     }
 }
 

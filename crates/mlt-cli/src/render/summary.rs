@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// The report, but for times, files and what only the session knows.
-pub(crate) fn report(options: &RenderOptions, provenance: &Provenance, sums: &Sums) -> Report {
+pub(crate) fn report(options: &RenderOptions, provenance: &Provenance, sums: &Sums) -> anyhow::Result<Report> {
     let (film, counts, blocks) = (sums.film(), sums.tally(), &Blocks::from(sums.film().blocks()));
     let [width, height] = film.size().map(|n| n as usize);
     let Pixel { mean: b, stderr: b_stderr } = mean_luminance(film);
@@ -28,6 +28,7 @@ pub(crate) fn report(options: &RenderOptions, provenance: &Provenance, sums: &Su
         camera: provenance.camera.clone(),
         width,
         height,
+        crop: options.view.frame()?,
         threads: rayon::current_num_threads(),
         first_round: film.rounds_held().ranges().first().map_or(0, |rounds| rounds.start),
         rounds: film.rounds(),
@@ -53,7 +54,7 @@ pub(crate) fn report(options: &RenderOptions, provenance: &Provenance, sums: &Su
         outputs: Vec::new(),
     };
     report.warnings.extend(doubts(options, sums, &report));
-    report
+    Ok(report)
 }
 
 /// Reasons not to trust the image, or not to have asked for it in this way.

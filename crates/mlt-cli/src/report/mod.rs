@@ -13,6 +13,7 @@ use crate::{
     args::transport::{Method, TransportOptions, Variant},
     args::values::Strata,
     kept::Spent,
+    output::Frame,
     progress::short,
     provenance::CameraUsed,
 };
@@ -43,6 +44,8 @@ pub struct Report {
     pub width: usize,
     /// Rows.
     pub height: usize,
+    /// The larger image that it is a part of; `None`: a whole one.
+    pub crop: Option<Frame>,
     /// Threads that were used.
     pub threads: usize,
     /// Number of the first round.
@@ -200,6 +203,9 @@ impl Report {
             "{}: {}, strata {}, {}x{}, seed {}",
             self.scene, self.method, self.transport.strata, self.width, self.height, self.transport.seed
         )?;
+        if let Some(Frame { size: [width, height], corner: [x, y] }) = self.crop {
+            writeln!(f, "  crop            {x},{y},{},{} of {width}x{height}", x + self.width, y + self.height)?;
+        }
         writeln!(f, "  camera          {}", self.camera)?;
         let threads = if self.threads == 1 { "thread" } else { "threads" };
         write!(f, "  time            {:.2} s, {} {threads}", self.seconds, self.threads)?;
@@ -301,6 +307,7 @@ mod tests {
             camera: CameraUsed { name: "eye".into(), origin: "by --camera".into(), lens: "pinhole".into() },
             width: 64,
             height: 48,
+            crop: None,
             threads: 2,
             first_round: 0,
             rounds: 4,
@@ -396,9 +403,11 @@ mod tests {
 
     #[test]
     fn the_text_is_for_reading() {
-        let text = report().to_string();
+        let crop = Some(Frame { size: [640, 480], corner: [100, 50] });
+        let text = Report { crop, ..report() }.to_string();
         for part in [
             "cornell: mlt, strata 4x5, 64x48, seed 7",
+            "crop            100,50,164,98 of 640x480\n",
             "camera          \"eye\", by --camera; pinhole\n",
             "pilot           100000 mutations, 400000 rays",
             "mutations       3.00 million (1.50 million per second)",
