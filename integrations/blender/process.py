@@ -16,6 +16,7 @@ class Process:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self.messages = []
         self.progress = ""
+        self._is_stopped = False
         self._reader.start()
 
     def _read(self):
@@ -35,8 +36,10 @@ class Process:
         return self._child.poll() is not None
 
     def stop(self):
-        """Ends the render early. Where there are signals, mlt writes the image as far as it has come."""
-        self._child.terminate()
+        """Ends the render early. Where there are signals, mlt writes the image as far as it has come; a second one would end it at once."""
+        if not self._is_stopped:
+            self._is_stopped = True
+            self._child.terminate()
 
     def wait(self):
         """Waits for the end; returns the exit code."""

@@ -50,7 +50,7 @@ class Settings(bpy.types.PropertyGroup):
     threads: IntProperty(name="Threads", description="0 for all processors", default=0, min=0)
     seed: IntProperty(name="Seed", description="Same seed, same image", default=0, min=0)
     world_width: IntProperty(
-        name="World Width",
+        name="World",
         description="Width in pixels of the image of a world that is neither one colour nor an image file",
         default=2048,
         min=16,

@@ -160,7 +160,8 @@ def a_stopped_render_has_an_image(program, folder):
     run = Process([program, "render", "cornell", "--size=16x16", "--threads=1", "--method=pt", "--time=10m", f"--output={image}"])
     while not run.progress:
         time.sleep(0.1)
-    run.stop()
+    for _ in ("a key is pressed", "and released"):
+        run.stop()
     return run.wait() == 143 and 0.0 <= run.share < 0.1 and image.is_file()
 
 

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 const RENDER: &str = "render room.gltf --size 16x12 --method pt --samples-per-pixel 8 --threads 1";
 
 /// The Cornell box, in which for one second from 0.1 s on a node moves along x.
-pub fn with_animation(folder: &Path, node: usize, along: f32) {
+pub(crate) fn with_animation(folder: &Path, node: usize, along: f32) {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../mlt-scene/scenes/cornell");
     let mut root: Value = serde_json::from_slice(&fs::read(scene.join("cornell.gltf")).expect("there")).expect("JSON");
     let matrix = root["nodes"][node].as_object_mut().expect("a node").remove("matrix");

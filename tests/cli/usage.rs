@@ -6,8 +6,8 @@ use std::{
 };
 
 /// Every command, as completions and the manual have to name them.
-const COMMANDS: [&str; 10] =
-    ["render", "inspect", "scenes", "merge", "info", "diff", "verify", "bench", "completions", "man"];
+const COMMANDS: [&str; 11] =
+    ["render", "inspect", "scenes", "merge", "farm", "info", "diff", "verify", "bench", "completions", "man"];
 
 fn mlt(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_mlt")).args(arguments).output().expect("mlt starts")
@@ -88,6 +88,12 @@ fn every_command_has_a_manual_page() {
         assert!(text.contains(&format!(".TH mlt-{command} 1")) && text.contains("SYNOPSIS"), "{text}");
         assert!(page("mlt.1").contains(&format!("mlt\\-{command}")), "{command}");
     }
+    for task in ["slurm", "openjd", "task"] {
+        assert!(page(&format!("mlt-farm-{task}.1")).contains("SYNOPSIS"), "{task}");
+        assert!(page("mlt-farm.1").contains(&format!("mlt\\-farm\\-{task}")), "{task}");
+    }
+    // A page names no other that is not there.
+    assert!(!page("mlt.1").contains("\\-help(1)") && !page("mlt-farm.1").contains("\\-help(1)"));
     // Options that short help hides have their words, too.
     assert!(page("mlt-render.1").contains("Stop after this many mutations per pixel"));
     assert_eq!(said(&["man", "--command", "render"]), page("mlt-render.1"));

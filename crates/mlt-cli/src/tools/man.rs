@@ -12,14 +12,17 @@ use crate::{
 
 /// Prints a page, or writes all of them into a folder.
 pub fn run(options: &ManOptions) -> Result<(), Failure> {
-    let mut program = Cli::command();
+    let without_help = |command: Command| command.disable_help_subcommand(true);
+    let mut program = without_help(Cli::command()).mut_subcommands(without_help);
     program.build();
     if let Some(folder) = &options.folder {
         if !folder.is_dir() {
-            return Err(Failure::Usage(anyhow!("{}: is no folder; make it first", folder.display())));
+            let name = folder.display();
+            return Err(Failure::Usage(anyhow!(
+                "{name}: is no folder; make it first, or print a page by --command NAME"
+            )));
         }
-        let commands = program.get_subcommands().filter(|command| command.get_name() != "help");
-        for command in std::iter::once(&program).chain(commands) {
+        for command in all(&program) {
             let (name, text) = page(command)?;
             atomic::write(&folder.join(name), &text)?;
         }
@@ -35,6 +38,11 @@ pub fn run(options: &ManOptions) -> Result<(), Failure> {
     Ok(print(&String::from_utf8_lossy(&page(command)?.1))?)
 }
 
+/// A command and all below it.
+fn all(command: &Command) -> Vec<&Command> {
+    std::iter::once(command).chain(command.get_subcommands().flat_map(all)).collect()
+}
+
 /// The file name of a command's page, and its text in roff.
 fn page(command: &Command) -> anyhow::Result<(String, Vec<u8>)> {
     // Of options that are hidden in short help, the page shows long help alone.
@@ -43,7 +51,7 @@ fn page(command: &Command) -> anyhow::Result<(String, Vec<u8>)> {
         _ => argument,
     };
     let command = command.clone().mut_args(with_long_help);
-    let page = Man::new(command.version(env!("CARGO_PKG_VERSION")).disable_help_subcommand(true));
+    let page = Man::new(command.version(env!("CARGO_PKG_VERSION")));
     let page = page.date(concat!("version ", env!("CARGO_PKG_VERSION"))).source("mlt");
     let mut text = Vec::new();
     page.render(&mut text).context("cannot make the manual page")?;
