@@ -67,7 +67,7 @@ pub(super) fn in_document(document: &Document, animated: bool) -> Vec<String> {
             .push("the file is animated and shown as it stands at rest; --time-in-animation chooses a time".to_owned()),
         (false, true) => warnings.push(
             "the file has no animation that can be read, and is shown at rest; export it with animations, or leave \
-             --time-in-animation out"
+             --frames or --time-in-animation out"
                 .to_owned(),
         ),
         _ => {}
