@@ -81,6 +81,23 @@ fn every_run_is_a_row_in_each_file() {
     }
 }
 
+/// Charts stand by themselves, too: for a document, light and dark.
+#[test]
+fn charts_are_files() {
+    let folder = folder();
+    made(&folder, &format!("{SMALL} -o out"));
+    for axis in ["rays", "work"] {
+        let svg = text(&folder, &format!("out/charts/cornell.{axis}.svg"));
+        assert!(
+            svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\"") && svg.trim_end().ends_with("</svg>"),
+            "{svg}"
+        );
+        assert!(svg.contains("prefers-color-scheme: dark") && svg.contains("class=\"median m0\""), "{svg}");
+        assert_eq!(svg.matches("<style>").count(), 1);
+    }
+    assert!(!folder.path().join("out/charts/cornell.seconds.svg").exists());
+}
+
 #[test]
 fn the_same_study_makes_the_same_report() {
     let (one, other) = (folder(), folder());

@@ -23,6 +23,15 @@ impl Axis {
         }
     }
 
+    /// Its name in the name of a file.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Seconds => "seconds",
+            Self::Rays => "rays",
+            Self::Work => "work",
+        }
+    }
+
     /// Its name with unit.
     pub(super) fn name(self) -> &'static str {
         match self {

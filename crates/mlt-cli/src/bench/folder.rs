@@ -20,9 +20,11 @@ pub(super) struct Folder(PathBuf);
 pub(super) type WithErrors = (Image, Option<Vec<[f32; 3]>>);
 
 impl Folder {
-    /// Creates the folder and its folder of images, if they are not there.
+    /// Creates the folder and its folders of images and charts, if they are not there.
     pub(super) fn create(path: &Path) -> anyhow::Result<Self> {
-        fs::create_dir_all(path.join("images")).with_context(|| format!("{}: cannot be created", path.display()))?;
+        for inner in ["images", "charts"] {
+            fs::create_dir_all(path.join(inner)).with_context(|| format!("{}: cannot be created", path.display()))?;
+        }
         Ok(Self(path.to_owned()))
     }
 
@@ -55,10 +57,19 @@ impl Folder {
         same.then_some((file.image, file.stderr))
     }
 
-    fn image(&self, name: &str) -> PathBuf {
-        let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.=".contains(c) { c } else { '_' };
-        self.0.join("images").join(name.chars().map(plain).collect::<String>() + ".exr")
+    /// Writes a chart.
+    pub(super) fn chart(&self, name: &str, svg: &str) -> anyhow::Result<()> {
+        atomic::write(&self.0.join("charts").join(plain(name) + ".svg"), svg.as_bytes())
     }
+
+    fn image(&self, name: &str) -> PathBuf {
+        self.0.join("images").join(plain(name) + ".exr")
+    }
+}
+
+/// A name that any system takes for a file.
+fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.=".contains(c) { c } else { '_' }).collect()
 }
 
 #[cfg(test)]

@@ -84,6 +84,7 @@ fn write(options: &BenchOptions, ready: &Ready, rows: &[row::Row]) -> Result<(),
     ready.folder.write("results.csv", row::csv(rows).as_bytes())?;
     let html = report::html(ready, rows, &paper, options)?;
     ready.folder.write("report.html", html.as_bytes())?;
+    report::charts(ready, rows).iter().try_for_each(|(name, svg)| ready.folder.chart(name, svg))?;
     if !options.quiet {
         print(&paper::text(&paper))?;
         print(&format!("written  {}\n", ready.folder.file("report.html").display()))?;

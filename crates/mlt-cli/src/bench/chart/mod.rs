@@ -1,4 +1,4 @@
-//! Charts as SVG, to stand in a page.
+//! Charts as SVG, to stand in a page or in a file of their own.
 
 mod curves;
 mod scale;
@@ -14,6 +14,15 @@ const CLASSES: [&str; 7] = ["m0", "m1", "m2", "m3", "m4", "m5", "m6"];
 /// The class of a method.
 pub(super) fn class(method: usize) -> &'static str {
     CLASSES[method % CLASSES.len()]
+}
+
+/// The colours and lines of charts, light and dark.
+const STYLE: &str = include_str!("../../../templates/chart.css");
+
+/// A chart as a file, with its style.
+pub(super) fn file(chart: &str) -> String {
+    let (head, content) = chart.split_once('\n').unwrap_or((chart, ""));
+    format!("{head}\n<style>\n{STYLE}svg {{ background: var(--page); }}\n</style>\n{content}\n")
 }
 
 /// Text that can stand in SVG and HTML.

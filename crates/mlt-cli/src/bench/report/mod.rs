@@ -107,6 +107,23 @@ pub(super) fn html(
     page.render().context("cannot make the report")
 }
 
+/// The charts of error of all scenes: the scene and the axis of each, and the chart.
+pub(super) fn charts(ready: &Ready, rows: &[Row]) -> Vec<(String, String)> {
+    let of_scene = |(subject, reference): &(Subject, Reference)| {
+        let curves = curves(ready.study, rows, &subject.name);
+        let drawn = |axis: &Axis| {
+            (format!("{}.{}", subject.name, axis.word()), chart::file(&error_chart(&curves, *axis, reference)))
+        };
+        if curves.is_empty() { Vec::new() } else { axes(ready).iter().map(drawn).collect() }
+    };
+    ready.subjects.iter().flat_map(of_scene).collect()
+}
+
+/// What error is charted against: of budgets that make the same report again nothing that depends on the machine.
+fn axes(ready: &Ready) -> Vec<Axis> {
+    if ready.study.repeats() { vec![Axis::Rays, Axis::Work] } else { vec![Axis::Seconds, Axis::Rays, Axis::Work] }
+}
+
 fn scene(
     ready: &Ready,
     index: usize,
@@ -114,8 +131,7 @@ fn scene(
     curves: &[Curve],
     options: &BenchOptions,
 ) -> anyhow::Result<Scene> {
-    let axes =
-        if ready.study.repeats() { vec![Axis::Rays, Axis::Work] } else { vec![Axis::Seconds, Axis::Rays, Axis::Work] };
+    let axes = axes(ready);
     let target = options.target.or_else(|| usual_target(curves));
     let compared = &axes[..axes.len() - 1];
     let mutations = mutations(curves);

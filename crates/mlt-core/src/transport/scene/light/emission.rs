@@ -152,7 +152,9 @@ impl Scene {
     fn radiance_from(&self, vertex: &Vertex) -> Rgb {
         let mut seen = self.lights.in_direction(vertex.position).peekable();
         match seen.peek() {
-            Some(&(first, _)) if LIGHT + first == vertex.primitive => seen.map(|(_, light)| light.radiance(vertex.position)).sum(),
+            Some(&(first, _)) if LIGHT + first == vertex.primitive => {
+                seen.map(|(_, light)| light.radiance(vertex.position)).sum()
+            }
             _ => Rgb::ZERO,
         }
     }
