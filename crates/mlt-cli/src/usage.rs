@@ -1,5 +1,7 @@
 //! Errors of a command line, in one sentence.
 
+use std::num::ParseIntError;
+
 use clap::{
     Arg, CommandFactory, Error,
     error::{ContextKind, ContextValue, ErrorKind},
@@ -49,9 +51,26 @@ pub(crate) fn sentence(error: &Error) -> String {
             let otherwise = "; 'mlt --help' lists the commands, and 'mlt render SCENE' renders".into();
             format!("there is no command '{given}'{}", question.unwrap_or(otherwise))
         }
+        (ErrorKind::ValueValidation, ..) => about_whole_number(error, one_sentence(&error.render().to_string())),
         _ => one_sentence(&error.render().to_string()),
     }
 }
+
+/// The same objection with a remedy where a whole number was asked for: clap gives the parser's words and bounds like 1..=64.
+fn about_whole_number(error: &Error, sentence: String) -> String {
+    let Some((start, reason)) = sentence.rsplit_once(": ") else { return sentence };
+    let bounds = reason.split_once(" is not in ").and_then(|(_, bounds)| bounds.split_once("..="));
+    let is_none = std::error::Error::source(error).is_some_and(|source| source.is::<ParseIntError>());
+    match bounds {
+        Some((low, high)) if high.len() < MOST_DIGITS => format!("{start}: give a whole number from {low} to {high}"),
+        Some((low, _)) => format!("{start}: give a whole number from {low} on"),
+        None if is_none => format!("{start}: give a whole number"),
+        None => sentence,
+    }
+}
+
+/// Digits of a bound that is worth telling; the largest number of a type is no bound to a reader.
+const MOST_DIGITS: usize = 10;
 
 /// A name without what marks it as an option.
 fn bare(name: &str) -> &str {
@@ -111,6 +130,15 @@ mod tests {
             ("rendr a.glb", "there is no command 'rendr'; did you mean 'render'?"),
         ] {
             assert_eq!(said(line), sentence);
+        }
+        for (line, remedy) in [
+            ("render --seed x", "'x' for '--seed <N>': give a whole number"),
+            ("render --seed=-1", "'-1' for '--seed <N>': give a whole number"),
+            ("render --rounds-pilot 1", "'1' for '--rounds-pilot <N>': give a whole number from 2 to 64"),
+            ("render --max-length 0", "'0' for '--max-length <EDGES>': give a whole number from 1 on"),
+            ("render --rounds 1.5", "'1.5' for '--rounds <N>': give a whole number"),
+        ] {
+            assert_eq!(said(line), format!("invalid value {remedy}"));
         }
         assert!(said("paint").starts_with("there is no command 'paint'; 'mlt --help' lists"));
     }
