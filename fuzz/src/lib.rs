@@ -33,7 +33,7 @@ pub fn open(path: &Path, options: &LoadOptions) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// What a scene's description promises, whatever the file was.
+/// The promises of a scene's description, whatever the file was.
 fn check(scene: &SceneDescription) {
     for mesh in &scene.meshes {
         assert!((mesh.material as usize) < scene.materials.len());

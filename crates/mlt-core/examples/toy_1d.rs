@@ -134,3 +134,8 @@ fn main() -> Result<(), SetupError> {
     tally.warnings().iter().for_each(|warning| println!("warning: {warning}"));
     Ok(())
 }
+
+#[test]
+fn it_runs() {
+    main().expect("sound strata");
+}

@@ -289,3 +289,10 @@ fn ascii(film: &Film<1>) -> String {
     let line = |row: u32| (0..WIDTH).map(|x| shade(2 * row * WIDTH + x)).chain(['\n']).collect::<String>();
     (0..HEIGHT / 2).map(line).collect()
 }
+
+#[test]
+fn both_ways_have_one_mean() {
+    let (film, _) = metropolis().expect("sound strata");
+    let ([mean], plain) = (film.pixel(PIXELS as usize), plain_monte_carlo(400_000));
+    assert!((mean.mean - plain.mean).abs() < 5.0 * mean.stderr.hypot(plain.stderr), "{mean:?}, {plain:?}");
+}

@@ -31,7 +31,7 @@ pub(super) enum Tasks {
     Frames(RangeInclusive<u32>),
 }
 
-/// What the jobs of all schedulers have in common. Words are quoted for a POSIX shell.
+/// Words and numbers that the jobs of all schedulers have in common. Words are quoted for a POSIX shell.
 pub(super) struct Job {
     /// Its tasks.
     tasks: Tasks,

@@ -119,7 +119,7 @@ pub(super) fn charts(ready: &Ready, rows: &[Row]) -> Vec<(String, String)> {
     ready.subjects.iter().flat_map(of_scene).collect()
 }
 
-/// What error is charted against: of budgets that make the same report again nothing that depends on the machine.
+/// Axes of the charts: of budgets that make the same report again, none that depends on the machine.
 fn axes(ready: &Ready) -> Vec<Axis> {
     if ready.study.repeats() { vec![Axis::Rays, Axis::Work] } else { vec![Axis::Seconds, Axis::Rays, Axis::Work] }
 }

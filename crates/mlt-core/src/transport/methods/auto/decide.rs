@@ -208,7 +208,7 @@ mod tests {
         assert_eq!((method(&short), &short.in_chains[..]), (Some(0), &[false, true][..]));
     }
 
-    /// What nobody has met is not left to chains with no work.
+    /// Light that nobody has met is not left to chains with no work.
     #[test]
     fn alone_means_all_parts() {
         let dark = [part(1.0, 1.0, 400.0), part(f64::INFINITY, 0.0, 0.0)];

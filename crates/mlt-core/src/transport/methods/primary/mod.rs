@@ -30,7 +30,7 @@ const STREAMS: usize = 2;
 
 /// Tracers of all strata.
 pub(in crate::transport) trait Tracers: fmt::Debug + Sync {
-    /// What they make of their numbers.
+    /// The result of their numbers.
     type Output: Output<Splat = Splat<3>> + Send;
     /// The tracer of one stratum.
     type Of<'s>: Tracer<STREAMS, Output = Self::Output> + Sync
