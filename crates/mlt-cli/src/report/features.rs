@@ -15,7 +15,7 @@ pub struct Feature {
 }
 
 /// Name of each feature, in the order of [`Needs`], and the consequences of having it and of lacking it.
-const FEATURES: [(&str, [&str; 2]); 10] = [
+const FEATURES: [(&str, [&str; 2]); 11] = [
     (
         "mirrors and clear glass",
         [
@@ -23,6 +23,7 @@ const FEATURES: [(&str, [&str; 2]); 10] = [
             "no caustic perturbation, no parts of path space for images of lights",
         ],
     ),
+    ("narrow gloss", ["chains keep the slope at which a narrow lobe mirrors", "chains turn all directions by angles"]),
     ("transparency", ["shadow rays ask the opacity of what they meet", "shadow rays end at the first surface"]),
     ("light from all around", ["rays that leave the scene bring light", "rays that leave the scene end there"]),
     (
@@ -49,9 +50,9 @@ const FEATURES: [(&str, [&str; 2]); 10] = [
 /// All features.
 pub fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
     // A need that is not named here does not compile.
-    let Needs { specular, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps } = needs;
+    let Needs { specular, narrow, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps } = needs;
     let depth = matches!(lens, Lens::Thin { .. });
-    let present = [specular, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps, depth];
+    let present = [specular, narrow, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps, depth];
     let features = FEATURES.into_iter().zip(present);
     features
         .map(|((name, [has, lacks]), present)| Feature { name, present, therefore: if present { has } else { lacks } })

@@ -32,7 +32,7 @@ pub struct RoughThin {
 
 /// `v` mirrored through the plane with unit normal `n`.
 #[inline]
-fn through(n: Vec3A, v: Vec3A) -> Vec3A {
+pub(super) fn through(n: Vec3A, v: Vec3A) -> Vec3A {
     v - 2.0 * n.dot(v) * n
 }
 

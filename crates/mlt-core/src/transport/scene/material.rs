@@ -81,6 +81,13 @@ impl Material {
         Self { bsdf: textured.representative(), textured: Some(Box::new(textured)), ..self }
     }
 
+    /// Whether it has a narrow lobe, here or there.
+    pub(crate) fn may_be_narrow(&self) -> bool {
+        let varies =
+            |textured: &Textured| textured.maps.roughness.is_some() || textured.maps.clearcoat_roughness.is_some();
+        self.bsdf.narrow_lobe().is_some() || self.textured.as_deref().is_some_and(varies)
+    }
+
     /// Whether some of the light that comes to it goes straight on.
     pub(crate) fn is_veil(&self) -> bool {
         self.opacity < 1.0 || self.textured.as_ref().is_some_and(|textured| textured.has_opacity())

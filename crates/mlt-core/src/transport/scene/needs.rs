@@ -10,6 +10,8 @@ use crate::transport::colour::Rgb;
 pub struct Needs {
     /// A surface that scatters into discrete directions only.
     pub specular: bool,
+    /// A surface with a narrow lobe, or whose roughness varies.
+    pub narrow: bool,
     /// A surface that is not opaque.
     pub veils: bool,
     /// Light that comes from all around.
@@ -36,6 +38,7 @@ impl Needs {
             |has: fn(&Material) -> bool| description.all_meshes().any(|mesh| has(&materials[mesh.material as usize]));
         Self {
             specular: any(|material| material.bsdf.is_delta()),
+            narrow: any(Material::may_be_narrow),
             veils: any(Material::is_veil),
             environment: environment.as_ref().is_some_and(Environment::is_lit),
             cones: any(|material| material.cone.is_some()),

@@ -12,7 +12,7 @@
 
 use super::{Scene, Textured};
 use crate::engine::uniform_f32;
-use crate::transport::bsdf::{Bsdf, Evaluation};
+use crate::transport::bsdf::{Bsdf, Evaluation, NarrowLobe};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
 use glam::{Vec2, Vec3A};
@@ -112,6 +112,12 @@ impl Surface<'_> {
     pub fn delta_direction(self, given: Vec3A, transmit: bool) -> Option<Vec3A> {
         let direction = self.bsdf.delta_direction(self.vertex.shading_normal, given, transmit)?;
         cosines(self.vertex, direction).map(|_| direction)
+    }
+
+    /// The narrow lobe of a BSDF that is not delta.
+    #[inline]
+    pub fn narrow_lobe(self) -> Option<NarrowLobe> {
+        self.bsdf.narrow_lobe()
     }
 
     /// Probability with which a delta BSDF's sampling chooses the event that joins the two directions.

@@ -9,6 +9,7 @@
 //!
 //! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the distance to the camera.
 
+use super::event::{is_followed, microfacet, same_events};
 use super::follow::{SUITABILITY, TURN, Towards, next_direction, ratio, turned};
 use super::lens::first_diffuse;
 use crate::engine::Mutation;
@@ -36,8 +37,8 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for CausticPerturbation<'_> {
     /// Positive for paths of its form, else 0.
     fn suitability(&self, current: &LightPath) -> f64 {
         let k = current.edges();
-        let specular = |i: usize| current.vertices[i].vertex.delta;
-        if k >= 3 && !specular(k - 1) && specular(k - 2) { SUITABILITY } else { 0.0 }
+        let followed = |i: usize| is_followed(&self.view, current, i);
+        if k >= 3 && !followed(k - 1) && followed(k - 2) { SUITABILITY } else { 0.0 }
     }
 
     fn propose(
@@ -47,7 +48,7 @@ impl<'a> Mutation<LightPath, LightStratum<'a>> for CausticPerturbation<'_> {
         _: &LightStratum<'a>,
         rng: &mut impl Rng,
     ) -> Option<f64> {
-        perturb_from_light(&self.view, current, proposal, first_diffuse(current, current.edges() - 1), rng)
+        perturb_from_light(&self.view, current, proposal, first_diffuse(&self.view, current, current.edges() - 1), rng)
     }
 }
 
@@ -75,6 +76,9 @@ pub(super) fn perturb_from_light(
         follow_from_light(&mut proposal.vertices, i, ray, view, rng)?;
     }
     proposal.connect(view, last, l..=last)?;
+    if !same_events(view, [current, proposal], l.max(1)..last) {
+        return None;
+    }
     Some(ratio([current, proposal], l + 1..last, |path, i| density_from_light(view, path, i, l)))
 }
 
@@ -95,6 +99,11 @@ fn density_from_light(view: &View, path: &LightPath, i: usize, l: usize) -> f64 
         return before.per_area_there(1.0);
     }
     let given = -path.vertices[i - 2].to_eye;
+    if !before.vertex.delta {
+        let Some((lobe, _)) = microfacet(view, path, i - 1) else { return 0.0 };
+        let per_slope = lobe.slopes_per_solid_angle(before.vertex.shading_normal, given, before.to_eye);
+        return before.per_area_there(1.0) * per_slope;
+    }
     x.forward
         / f64::from(
             view.scene.surface(&before.vertex, &mut Resolved::default()).event_probability(given, before.to_eye),

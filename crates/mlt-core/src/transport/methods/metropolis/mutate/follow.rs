@@ -13,6 +13,7 @@
 //!
 //! All of them are taken relative to the density g of [`mis`], which changes at the vertices that are kept, too.
 
+use super::event::{microfacet, moved};
 use crate::transport::geometry::math::{self, eighth_turn, frame, on_circle};
 use crate::transport::paths::mis::kept_reference;
 use crate::transport::paths::subpath::follow_from_eye;
@@ -115,11 +116,17 @@ pub(super) fn next_direction(
         return None;
     }
     let to_light = -current.vertices[i - 1].to_eye;
-    if !old.vertex.delta {
-        return Some(turned(if towards == Towards::Light { to_light } else { old.to_eye }, rng));
-    }
-    let n = old.vertex.shading_normal;
-    let transmits = n.dot(old.to_eye) * n.dot(to_light) < 0.0;
     let given = if towards == Towards::Light { new.to_eye } else { -proposal.vertices[i - 1].to_eye };
-    view.scene.surface(&new.vertex, &mut Resolved::default()).delta_direction(given, transmits)
+    if old.vertex.delta {
+        let n = old.vertex.shading_normal;
+        let transmits = n.dot(old.to_eye) * n.dot(to_light) < 0.0;
+        return view.scene.surface(&new.vertex, &mut Resolved::default()).delta_direction(given, transmits);
+    }
+    if view.scene.needs().narrow
+        && let Some((_, facet)) = microfacet(view, current, i)
+    {
+        let lobe = view.scene.surface(&new.vertex, &mut Resolved::default()).narrow_lobe()?;
+        return lobe.direction(new.vertex.shading_normal, given, moved(facet, rng)?);
+    }
+    Some(turned(if towards == Towards::Light { to_light } else { old.to_eye }, rng))
 }

@@ -6,8 +6,10 @@
 //!
 //! the q_i being those of [`follow`](super::follow).
 
+use super::event::{microfacet, same_events};
 use super::follow::{LogUniform, SUITABILITY, Turn, ratio};
 use crate::engine::Mutation;
+use crate::transport::bsdf::NarrowLobe;
 use crate::transport::geometry::Vertex;
 use crate::transport::methods::metropolis::stratum::LightStratum;
 use crate::transport::paths::LightPath;
@@ -35,9 +37,9 @@ pub(super) trait FromEye {
     /// Goes on behind a diffuse vertex.
     type Turn: Turn;
     /// Whether it applies to a path.
-    fn applies(current: &LightPath) -> bool;
+    fn applies(view: &View, current: &LightPath) -> bool;
     /// Draws m for a path that it applies to.
-    fn draw_end(current: &LightPath, rng: &mut impl Rng) -> usize;
+    fn draw_end(view: &View, current: &LightPath, rng: &mut impl Rng) -> usize;
 }
 
 /// The law of moves on an image: by a distance with density ∝ 1/r in steps, in pixels, in any direction.
@@ -129,6 +131,9 @@ impl<'a, K> EyePerturbation<'a, K> {
         } else {
             proposal.connect(view, m, changed)?;
         }
+        if !same_events(view, [current, proposal], m.max(2) - 1..last) {
+            return None;
+        }
         Some(turns * ratio([current, proposal], m..last, |path, i| density_from_eye(view, path, i)))
     }
 }
@@ -140,7 +145,7 @@ impl<'a, K: FromEye> Mutation<LightPath, LightStratum<'a>> for EyePerturbation<'
 
     /// Positive for paths that it applies to, else 0.
     fn suitability(&self, current: &LightPath) -> f64 {
-        if K::applies(current) { K::SUITABILITY } else { 0.0 }
+        if K::applies(&self.view, current) { K::SUITABILITY } else { 0.0 }
     }
 
     fn propose(
@@ -150,7 +155,7 @@ impl<'a, K: FromEye> Mutation<LightPath, LightStratum<'a>> for EyePerturbation<'
         within: &LightStratum<'a>,
         rng: &mut impl Rng,
     ) -> Option<f64> {
-        let m = K::draw_end(current, rng);
+        let m = K::draw_end(&self.view, current, rng);
         self.perturb::<K::Turn>(current, proposal, m, within, rng)
     }
 }
@@ -168,7 +173,11 @@ fn density_from_eye(view: &View, path: &LightPath, i: usize) -> f64 {
                     .event_probability(before.to_eye, -x.to_eye),
             )
     } else {
-        x.per_area_here(1.0)
+        let narrow = if view.scene.needs().narrow { microfacet(view, path, i + 1) } else { None };
+        let per_turn = |(lobe, _): (NarrowLobe, _)| {
+            lobe.slopes_per_solid_angle(before.vertex.shading_normal, before.to_eye, -x.to_eye)
+        };
+        x.per_area_here(1.0) * narrow.map_or(1.0, per_turn)
     }
 }
 

@@ -10,9 +10,11 @@
 //!
 //! Source: [VeachGuibas97], section 5.3.3.
 
+use super::event::is_followed;
 use super::follow::ByAngle;
 use super::from_eye::{EyePerturbation, FromEye};
 use crate::transport::paths::LightPath;
+use crate::transport::scene::View;
 use rand_pcg::rand_core::Rng;
 
 /// Moves the camera ray.
@@ -27,20 +29,20 @@ impl FromEye for Lens {
     type Turn = ByAngle;
 
     /// To paths whose first diffuse vertex can be connected to the one before it, or is a light.
-    fn applies(current: &LightPath) -> bool {
-        let m = first_diffuse(current, current.edges());
-        m == 0 || !current.vertices[m - 1].vertex.delta
+    fn applies(view: &View, current: &LightPath) -> bool {
+        let m = first_diffuse(view, current, current.edges());
+        m == 0 || !is_followed(view, current, m - 1)
     }
 
-    fn draw_end(current: &LightPath, _: &mut impl Rng) -> usize {
-        first_diffuse(current, current.edges())
+    fn draw_end(view: &View, current: &LightPath, _: &mut impl Rng) -> usize {
+        first_diffuse(view, current, current.edges())
     }
 }
 
-/// Index of the first vertex below `i` that is not a delta one; 0 at the latest.
-pub(super) fn first_diffuse(path: &LightPath, i: usize) -> usize {
+/// Index of the first vertex below `i` whose event is not followed; 0 at the latest.
+pub(super) fn first_diffuse(view: &View, path: &LightPath, i: usize) -> usize {
     let mut m = i - 1;
-    while m > 0 && path.vertices[m].vertex.delta {
+    while m > 0 && is_followed(view, path, m) {
         m -= 1;
     }
     m
@@ -111,7 +113,9 @@ mod tests {
                     .surface(&x.vertex, &mut Resolved::default())
                     .event_probability(x.to_eye, -path.vertices[i - 1].to_eye)
             };
-            (first_diffuse(path, path.edges()) + 1..path.edges()).map(|i| f64::from(probability(i))).product()
+            (first_diffuse(&world.view(), path, path.edges()) + 1..path.edges())
+                .map(|i| f64::from(probability(i)))
+                .product()
         };
         let found = imbalance(&world, Stratification::None, 60_000, |x, y, within, rng| {
             suited(&world, x)?.propose(x, y, within, rng).map(|ratio| ratio * events(x) / events(y))

@@ -2,6 +2,7 @@
 
 mod bidirectional;
 mod caustic;
+mod event;
 mod follow;
 mod from_eye;
 mod lens;
@@ -46,14 +47,15 @@ impl<'a> PathMutation<'a> {
     }
 
     /// The bidirectional mutation and those of the perturbations that apply to a view; that for caustics only where a surface is
-    /// specular.
+    /// specular or has a narrow lobe.
     pub fn with(perturbations: Perturbations, view: View<'a>) -> Vec<Self> {
         let Perturbations { lens, multi_chain, pivot, caustic } = perturbations;
         let mut chosen = vec![Self::Bidirectional(BidirectionalMutation { view })];
         chosen.extend(lens.then(|| Self::Lens(LensPerturbation::new(view))));
         chosen.extend(multi_chain.then(|| Self::MultiChain(MultiChainPerturbation::new(view))));
         chosen.extend(pivot.then(|| Self::Pivot(PivotPerturbation::new(view))));
-        chosen.extend((caustic && view.scene.needs().specular).then_some(Self::Caustic(CausticPerturbation { view })));
+        let caustic = caustic && (view.scene.needs().specular || view.scene.needs().narrow);
+        chosen.extend(caustic.then_some(Self::Caustic(CausticPerturbation { view })));
         chosen
     }
 }

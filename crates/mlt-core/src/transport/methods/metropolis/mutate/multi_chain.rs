@@ -15,11 +15,13 @@
 //! Source: [VeachGuibas97], section 5.3.3. Left out: their scaling of the angle with the image. Added: chains without a
 //! specular vertex, and chains that go on where they could end.
 
+use super::event::is_followed;
 use super::follow::ByAngle;
 use super::from_eye::{EyePerturbation, FromEye};
 use super::lens::first_diffuse;
 use crate::engine::uniform;
 use crate::transport::paths::LightPath;
+use crate::transport::scene::View;
 use rand_pcg::rand_core::Rng;
 
 /// Probability of moving another diffuse vertex, where there is one besides the light's.
@@ -36,34 +38,34 @@ impl FromEye for MultiChain {
     const NAME: &'static str = "multi-chain";
     type Turn = ByAngle;
 
-    fn applies(current: &LightPath) -> bool {
-        goes_on(current)
+    fn applies(view: &View, current: &LightPath) -> bool {
+        goes_on(view, current)
     }
 
-    fn draw_end(current: &LightPath, rng: &mut impl Rng) -> usize {
-        choose_end(current, rng)
+    fn draw_end(view: &View, current: &LightPath, rng: &mut impl Rng) -> usize {
+        choose_end(view, current, rng)
     }
 }
 
 /// Whether a path has another vertex to move behind the first diffuse one.
-pub(super) fn goes_on(path: &LightPath) -> bool {
-    first_diffuse(path, path.edges()) >= 2
+pub(super) fn goes_on(view: &View, path: &LightPath) -> bool {
+    first_diffuse(view, path, path.edges()) >= 2
 }
 
 /// Draws the last vertex to change: behind the first diffuse one, and further one time in two as long as there is one.
-pub(super) fn choose_end(path: &LightPath, rng: &mut impl Rng) -> usize {
-    let mut m = next_end(path, first_diffuse(path, path.edges()));
+pub(super) fn choose_end(view: &View, path: &LightPath, rng: &mut impl Rng) -> usize {
+    let mut m = next_end(view, path, first_diffuse(view, path, path.edges()));
     while m >= 2 && uniform(rng) < FURTHER {
-        m = next_end(path, m);
+        m = next_end(view, path, m);
     }
     m
 }
 
 /// Below `i`, the first diffuse vertex that can be connected to the one before it; 0 if there is none.
-fn next_end(path: &LightPath, i: usize) -> usize {
-    let mut m = first_diffuse(path, i);
-    while m > 0 && path.vertices[m - 1].vertex.delta {
-        m = first_diffuse(path, m);
+fn next_end(view: &View, path: &LightPath, i: usize) -> usize {
+    let mut m = first_diffuse(view, path, i);
+    while m > 0 && is_followed(view, path, m - 1) {
+        m = first_diffuse(view, path, m);
     }
     m
 }

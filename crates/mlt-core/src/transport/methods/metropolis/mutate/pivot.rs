@@ -13,6 +13,7 @@
 //!
 //! that of a turn by an angle times |p − x_i|² L.
 
+use super::event::is_followed;
 use super::follow::{ByAngle, Turn};
 use super::from_eye::{EyePerturbation, FromEye};
 use super::multi_chain::{choose_end, goes_on};
@@ -35,18 +36,18 @@ impl FromEye for Pivot {
     const SUITABILITY: f64 = 1.0;
     type Turn = Self;
 
-    fn applies(current: &LightPath) -> bool {
-        goes_on(current)
+    fn applies(view: &View, current: &LightPath) -> bool {
+        goes_on(view, current)
     }
 
-    fn draw_end(current: &LightPath, rng: &mut impl Rng) -> usize {
-        choose_end(current, rng)
+    fn draw_end(view: &View, current: &LightPath, rng: &mut impl Rng) -> usize {
+        choose_end(view, current, rng)
     }
 }
 
 impl Turn for Pivot {
     fn follow(view: &View, current: &LightPath, proposal: &mut LightPath, i: usize, rng: &mut impl Rng) -> Option<f64> {
-        if current.vertices[i].vertex.delta {
+        if is_followed(view, current, i) {
             return ByAngle::follow(view, current, proposal, i, rng);
         }
         let volume = |edge: PivotedEdge| edge.to_pivot.powi(2) * edge.length;
@@ -112,7 +113,7 @@ mod tests {
             i: usize,
             rng: &mut impl Rng,
         ) -> Option<f64> {
-            if current.vertices[i].vertex.delta {
+            if is_followed(view, current, i) {
                 return ByAngle::follow(view, current, proposal, i, rng);
             }
             let [x, y] = follow_through_pivot(view, current, proposal, i, rng)?;
@@ -148,7 +149,8 @@ mod tests {
         rng: &mut Generator,
     ) -> Option<f64> {
         let pivot = PivotPerturbation::new(world.view());
-        Pivot::applies(x).then(|| pivot.perturb::<T>(x, y, choose_end(x, rng), within, rng))?
+        let view = &world.view();
+        Pivot::applies(view, x).then(|| pivot.perturb::<T>(x, y, choose_end(view, x, rng), within, rng))?
     }
 
     #[test]

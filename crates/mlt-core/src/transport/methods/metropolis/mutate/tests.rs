@@ -3,9 +3,11 @@
 //! The distribution is π(x) = Σ_s p_s(x), the sum of the densities with which the bidirectional sampler makes x, so that its
 //! samples have weights near 1: w_s π / p_s ≤ √n. Stationarity is E_π[a(x→y) (g(y) − g(x))] = 0 for every function g.
 
+use super::event::microfacet;
 use super::{PathMutation, Perturbations};
 use crate::engine::{Mutation, Purpose, generator};
-use crate::transport::bsdf::{Bsdf, Dielectric, Lambert, Mirror};
+use crate::transport::bsdf::microfacet::Ggx;
+use crate::transport::bsdf::{Bsdf, Conductor, Dielectric, Lambert, Mirror, RoughDielectric};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Mesh;
 use crate::transport::lights::{LightRegion, LightStrata, Stratification};
@@ -49,12 +51,24 @@ fn ball(centre: DVec3, radius: f64, material: u32) -> Mesh {
 
 /// A glass ball and a mirror over a floor, before a wall, under a lamp or under a cloudy sky.
 fn scene(sky: bool) -> Scene {
+    let glass = Bsdf::Dielectric(Dielectric { ior: 1.5, tint: Rgb::ONE });
+    scene_of(sky, [glass, Bsdf::Mirror(Mirror { f0: Rgb::splat(0.9) })])
+}
+
+/// The same with a ball of rough glass and a plate of brushed metal, whose lobes are narrow.
+fn narrow_scene() -> Scene {
+    let ggx = Ggx { alpha: 0.005 };
+    let glass = Bsdf::RoughDielectric(RoughDielectric::new(1.5, Rgb::ONE, ggx));
+    scene_of(false, [glass, Bsdf::Conductor(Conductor::new(Rgb::splat(0.9), 1.0, ggx))])
+}
+
+fn scene_of(sky: bool, [ball_of, plate_of]: [Bsdf; 2]) -> Scene {
     let material = |bsdf, emission| Material { bsdf, emission, ..Material::default() };
     let materials = vec![
         material(Bsdf::Lambert(Lambert { reflectance: Rgb::splat(0.7) }), Rgb::ZERO),
         material(Bsdf::Black, Rgb::splat(if sky { 0.0 } else { 10.0 })),
-        material(Bsdf::Dielectric(Dielectric { ior: 1.5, tint: Rgb::ONE }), Rgb::ZERO),
-        material(Bsdf::Mirror(Mirror { f0: Rgb::splat(0.9) }), Rgb::ZERO),
+        material(ball_of, Rgb::ZERO),
+        material(plate_of, Rgb::ZERO),
     ];
     let meshes = vec![
         quad([[-2., 0., -2.], [-2., 0., 2.], [2., 0., 2.], [2., 0., -2.]], 0),
@@ -188,6 +202,27 @@ fn each_perturbation_keeps_the_distribution_under_a_sky() {
     };
     let (z, _) = drift_in(scene, 600_000, "caustic", cosine);
     assert!(z > 5.0, "z = {z} without the cosine");
+}
+
+/// Where events of narrow lobes are followed; the controls forget what their slopes are per solid angle.
+#[test]
+fn each_perturbation_keeps_the_distribution_on_narrow_gloss() {
+    let scene = &narrow_scene();
+    let slopes = |view: &View, path: &LightPath| -> f64 {
+        let per_solid_angle = |i: usize| {
+            let (lobe, _) = microfacet(view, path, i)?;
+            let x = &path.vertices[i];
+            Some(lobe.slopes_per_solid_angle(x.vertex.shading_normal, x.to_eye, -path.vertices[i - 1].to_eye))
+        };
+        (1..path.edges()).filter_map(per_solid_angle).product()
+    };
+    for name in PERTURBATIONS {
+        let (z, acceptance) = drift_in(scene, 400_000, name, |_, _| 1.0);
+        assert!(z < 4.0, "{name}: z = {z}");
+        assert!(acceptance > 0.1, "{name}: acceptance {acceptance}");
+        let (z, _) = drift_in(scene, 400_000, name, slopes);
+        assert!(z > 5.0, "{name}: z = {z} without the slopes' density");
+    }
 }
 
 #[test]
