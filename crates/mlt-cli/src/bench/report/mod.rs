@@ -183,14 +183,17 @@ fn error_chart(curves: &[Curve], axis: Axis, reference: &Reference) -> String {
     chart::curves(&lines, axis.name(), "relMSE", reference.own_error.map(|own| (own, "noise of the reference")))
 }
 
-/// Runs that did not end at their budget, in words.
+/// Runs that did not end at their budget, in words: how far beyond it they went, by method and budget.
 fn missed(curves: &[Curve]) -> Vec<String> {
-    let points = curves.iter().flat_map(|curve| &curve.points);
-    let told = |(budget, row): (&Budget, &Row)| {
-        let beyond = 100.0 * row.missed(budget)?;
-        Some(format!("{}, {budget}, seed {}: {beyond:+.0} %", row.key.method, row.key.seed))
+    let told = |(curve, point): (&Curve, &Point)| {
+        let beyond: Vec<_> = point.rows.iter().filter_map(|row| row.missed(&point.budget)).collect();
+        let low = beyond.iter().copied().reduce(f64::min)?;
+        let high = beyond.iter().copied().reduce(f64::max)?;
+        let [low, high] = [low, high].map(|share| format!("{:+.0}", 100.0 * share));
+        let range = if low == high { low } else { format!("{low} to {high}") };
+        Some(format!("{}, {}: {range} % in {} of {}", curve.name, point.budget, beyond.len(), point.rows.len()))
     };
-    points.flat_map(|point| point.rows.iter().map(|row| (&point.budget, *row))).filter_map(told).collect()
+    curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point))).filter_map(told).collect()
 }
 
 /// b_j, its standard error in one run and n_j, means over the seeds; `None` for methods with a single stratum or none.
