@@ -18,7 +18,7 @@ use super::{
     subject::{Reference, Subject},
     summary::{Curve, Point, curves, usual_target},
 };
-use crate::args::bench::{BenchOptions, Budget};
+use crate::args::bench::BenchOptions;
 use leads::Lead;
 use tables::{Line, RatioLine, acceptance, class, error_cells, interval, line, mutations, ratio_line, reach};
 
