@@ -131,7 +131,7 @@ mod tests {
     use crate::transport::lights::strata::{LightStrata, Stratification};
     use crate::transport::scene::Scene;
     use crate::transport::tests::worlds::{World, glass, lamps, lamps_and_sky, outdoors, rough_metal, suns};
-    use glam::{DVec3, Vec3A};
+    use glam::{DVec3, Vec2, Vec3A};
     use rand_pcg::rand_core::Rng;
 
     fn vertices(world: &World) -> Vec<Vertex> {
@@ -254,9 +254,13 @@ mod tests {
 
     /// Share of points on suns among those that are drawn for the ball of a world, seen from before or from behind its surface.
     fn share_of_suns(world: &World, from_behind: bool) -> f64 {
-        let eye = world.camera.vertex();
-        let to_ball = (Vec3A::new(-0.5, 0.6, 0.1) - eye.position).normalize();
-        let vertex = world.scene.trace(&eye, to_ball).unwrap();
+        let seen = |i: u32| {
+            let film = (Vec2::new((i % 16) as f32, (i / 16) as f32) + 0.5) / 16.0;
+            let ray = world.camera.sample(film, &world.camera.vertex());
+            world.scene.trace_ray(ray.origin, ray.direction())
+        };
+        let on_ball = |vertex: &Vertex| vertex.shading_normal != vertex.geometric_normal;
+        let vertex = (0..256).filter_map(seen).find(on_ball).unwrap();
         let region = LightRegion::whole(world.scene.lights());
         let towards = if from_behind { -vertex.shading_normal } else { vertex.shading_normal };
         let receiver = Receiver { scene: &world.scene, vertex, towards };
