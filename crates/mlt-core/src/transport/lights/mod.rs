@@ -1,6 +1,5 @@
 //! Parts of the lights: what strata are cut from, and what points are drawn on.
 
-mod afar;
 mod cell;
 mod cut;
 mod region;
@@ -10,5 +9,5 @@ mod strata;
 pub use cell::Cell;
 pub use cut::{LightTree, MOST_HALVINGS, Node};
 pub use region::LightRegion;
-pub use sampler::LightSampler;
+pub use sampler::{LightSampler, Receiver};
 pub use strata::{LightStrata, Stratification};

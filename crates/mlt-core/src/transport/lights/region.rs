@@ -1,9 +1,9 @@
 //! A part of the lights, from which points are drawn in proportion to power, or for a vertex that they are to light.
 
 use super::cell::Cell;
-use super::sampler::LightSampler;
+use super::sampler::{LightSampler, Receiver};
 use crate::transport::geometry::Vertex;
-use crate::transport::scene::{LightPoint, Lights};
+use crate::transport::scene::{LightPoint, Lights, Scene};
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -80,16 +80,17 @@ impl LightRegion {
     /// does; 1 where there is but one piece, 0 where x_0, at `point`, is not in the region, and where no
     /// connection makes the edge.
     #[inline]
-    pub(crate) fn preference(&self, lights: &Lights, [x_0, x_1]: [&Vertex; 2], point: &LightPoint) -> f64 {
+    pub(crate) fn preference(&self, scene: &Scene, [x_0, x_1]: [&Vertex; 2], point: &LightPoint) -> f64 {
         if x_0.is_met_by_one_ray(x_1) {
             return 0.0;
         }
         if !self.light_sampler.has_choice() {
             return 1.0;
         }
-        let Some(number) = lights.number(x_0.primitive) else { return 0.0 };
-        let exitance = lights.lights[number.0 as usize].mean_exitance();
-        self.preference_of(self.light_sampler.density(x_1, number, point), exitance)
+        let Some(number) = scene.lights().number(x_0.primitive) else { return 0.0 };
+        let exitance = scene.lights().lights[number.0 as usize].mean_exitance();
+        let receiver = Receiver::of_light(scene, x_0, x_1);
+        self.preference_of(self.light_sampler.density(&receiver, number, point), exitance)
     }
 
     /// The same from d and M, both in the mean over the piece, as a piece's points are drawn in proportion to M.

@@ -33,7 +33,7 @@ impl Ends {
     /// Of subpaths that start in a region and in a part of the image, for one path.
     pub(crate) fn new(path: &LightPath, view: &View, region: &LightRegion, area: f64) -> Self {
         let ends = [&path.vertices[0].vertex, &path.vertices[1].vertex];
-        let preference = region.preference(view.scene.lights(), ends, &path.light);
+        let preference = region.preference(view.scene, ends, &path.light);
         Self { power: region.power(), preference, area }
     }
 

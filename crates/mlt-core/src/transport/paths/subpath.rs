@@ -7,7 +7,7 @@ use super::edge::Edge;
 use super::path_vertex::{PathVertex, set_edge};
 use crate::engine::{uniform, uniform_f32};
 use crate::transport::geometry::Vertex;
-use crate::transport::lights::LightRegion;
+use crate::transport::lights::{LightRegion, Receiver};
 use crate::transport::scene::{Light, LightPoint, Resolved, View};
 use glam::{Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
@@ -31,10 +31,11 @@ pub(crate) fn start_at_light(view: &View, region: &LightRegion, [u, v]: [f64; 2]
 pub(crate) fn start_near(
     view: &View,
     region: &LightRegion,
-    x_1: &Vertex,
-    [u, v]: [f64; 2],
+    x_1: &PathVertex,
+    numbers: [f64; 2],
 ) -> (PathVertex, LightPoint, f64) {
-    let (point, density) = region.light_sampler().sample(x_1, u, v);
+    let receiver = Receiver { scene: view.scene, vertex: x_1.vertex, towards: x_1.to_eye };
+    let (point, density) = region.light_sampler().sample(&receiver, numbers);
     let (x, light) = start_at(view, &point);
     (x, point, region.preference_of(density, light.mean_exitance()))
 }

@@ -147,7 +147,7 @@ fn alone(world: &World, s: usize, wrong: impl Fn(&LightPath) -> f64) -> [f64; 2]
             set_scattering(&mut path.vertices, 2, &view)?;
         }
         if s == 1 {
-            let x_1 = path.vertices[1].vertex;
+            let x_1 = path.vertices[1];
             (path.vertices[0], path.light, _) = start_near(&view, &region, &x_1, light_numbers(rng));
         }
         if s == 0 {
@@ -314,6 +314,7 @@ fn methods_agree_under_a_sky() {
         ("gloss", outdoors(glossy())),
         ("lamps", lamps_and_sky()),
         ("suns", suns(glossy())),
+        ("frosted", suns(glass(0.5))),
         ("beams", beams()),
         ("brushed", brushed()),
     ] {

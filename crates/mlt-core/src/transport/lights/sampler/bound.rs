@@ -1,10 +1,11 @@
-//! The tree of a [`LightSampler`](super::LightSampler), built from what bounds its leaves.
+//! Where near lights are, and which way they face.
 
-use super::node::{Node, WIDTH, quarters};
+use super::content::Content;
+use super::node::Node;
 use crate::transport::scene::Piece;
 use glam::Vec3;
 
-/// Content of a node, while the tree is built.
+/// A box around pieces, and a cone around the normals of their fronts.
 #[derive(Clone, Copy)]
 pub(super) struct Bound {
     low: Vec3,
@@ -16,8 +17,8 @@ pub(super) struct Bound {
     both_sides: bool,
 }
 
-impl Bound {
-    pub(super) fn of(piece: &Piece, power: f64, both_sides: bool) -> Self {
+impl Content for Bound {
+    fn of(piece: &Piece, power: f64, both_sides: bool) -> Self {
         let &Piece { low, high, normal, spread, .. } = piece;
         Self { low, high, axis: normal, spread, power, both_sides }
     }
@@ -36,14 +37,6 @@ impl Bound {
         }
     }
 
-    /// A node with this as its only part.
-    pub(super) fn node(&self) -> Node {
-        let mut node = Node::default();
-        self.store(0, &mut node);
-        node
-    }
-
-    /// Writes it into a node as part `i`.
     fn store(&self, i: usize, node: &mut Node) {
         let centre = 0.5 * (self.low + self.high);
         for axis in 0..3 {
@@ -54,22 +47,4 @@ impl Bound {
         (node.spread[0][i], node.spread[1][i]) = (libm::cos(self.spread) as f32, libm::sin(self.spread) as f32);
         (node.power[i], node.both_sides[i]) = (self.power as f32, f32::from(u8::from(self.both_sides)));
     }
-}
-
-/// Adds the tree over `leaves`, at least one; a single one is no node.
-pub(super) fn build(leaves: &[Bound], nodes: &mut Vec<Node>) -> Bound {
-    if let [leaf] = leaves {
-        return *leaf;
-    }
-    let here = nodes.len();
-    nodes.push(Node::default());
-    let ends = quarters(0, leaves.len());
-    let mut whole: Option<Bound> = None;
-    for part in (0..WIDTH).filter(|&part| ends[part] < ends[part + 1]) {
-        nodes[here].below[part] = nodes.len() as u32;
-        let bound = build(&leaves[ends[part]..ends[part + 1]], nodes);
-        bound.store(part, &mut nodes[here]);
-        whole = Some(whole.map_or(bound, |whole| Bound::union(&whole, &bound)));
-    }
-    whole.unwrap_or(leaves[0])
 }

@@ -1,222 +1,124 @@
-//! Which point of the lights is drawn for a vertex: next-event estimation with a tree over the pieces of the lights.
+//! Which point of the lights is drawn for a vertex: next-event estimation with trees over the pieces of the lights.
 //!
-//! A piece is a light's parallelogram or one triangle of a light, as far as it lies in a cell of the region that points are
-//! drawn on. The tree's nodes bound position and direction of what their parts hold; a walk from the root takes each part in
-//! proportion to a bound on the irradiance that it sends to the vertex. Distant lights have no place in the tree: their bound, the same for
-//! all vertices, stands beside that of its root.
+//! A piece is a light's parallelogram, one triangle of a light, or all directions that a distant light is seen in, as far as it
+//! lies in a cell of the region that points are drawn on. The nodes of a tree know where their parts lie; a walk from the root takes each
+//! part in proportion to the irradiance that it might send to the vertex. Near lights and distant ones have a tree each.
 //!
 //! Source: [ContyKulla18], "Importance Sampling of Many Lights with Adaptive Tree Splitting", section 5.
 
 mod bound;
+mod content;
+mod directions;
 mod node;
+mod receiver;
+mod tree;
 
-use super::afar::Afar;
 use super::cell::Cell;
-use crate::transport::geometry::{Vertex, hilbert};
-use crate::transport::scene::{LightPoint, Lights, Piece};
-use bound::{Bound, build};
-use glam::{DVec2, Vec4};
-use node::{Node, quarters};
+use crate::transport::scene::{LightPoint, Lights};
+use bound::Bound;
+use directions::Directions;
+use glam::Vec4;
+use node::Node;
+use tree::Tree;
 
-/// The tree over the pieces of a region.
+pub use receiver::Receiver;
+
+/// The trees over the pieces of a region.
 #[derive(Clone, Debug)]
 pub struct LightSampler {
-    /// Along a Hilbert curve through their centres.
-    leaves: Vec<Leaf>,
-    /// The root first.
-    nodes: Vec<Node>,
-    /// The region's cells.
-    cells: Vec<Pieces>,
-    /// Place of each piece among the leaves, cell by cell.
-    place: Vec<u32>,
-    /// Lights without pieces.
-    afar: Afar,
-    /// Power of the pieces.
-    near_power: f64,
-}
-
-/// A cell and its pieces.
-#[derive(Clone, Copy, Debug)]
-struct Pieces {
-    cell: Cell,
-    /// Number of the first piece in its light.
-    first: u32,
-    /// Number of pieces of the cells before.
-    before: u32,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Leaf {
-    light: u32,
-    /// The piece's corner with the smallest coordinates in the light's unit square, and its size there.
-    low: DVec2,
-    size: DVec2,
-    /// The largest coordinates that are still on it.
-    last: DVec2,
-    area: f64,
-}
-
-impl Leaf {
-    /// Uniform over the piece.
-    #[inline]
-    fn point(&self, u: f64, v: f64) -> LightPoint {
-        let place = (self.low + self.size * DVec2::new(u, v)).min(self.last);
-        LightPoint { light: self.light, u: place.x, v: place.y }
-    }
+    near: Tree,
+    afar: Tree,
+    /// Σ Φ/R² of distant lights: the irradiance that they send, in units in which a near light's is Φ cosθ cosθ'/d².
+    irradiance: f64,
 }
 
 impl LightSampler {
-    /// Builds the tree over disjoint cells, those of a light in one run and the lights in the order of their numbers.
+    /// Builds the trees over disjoint cells, those of a light in one run and the lights in the order of their numbers.
     pub(crate) fn new(lights: &Lights, cells: &[Cell]) -> Self {
-        let afar = Afar::of(cells, &lights.lights);
-        let near = cells.iter().filter(|cell| lights.lights[cell.light as usize].radius_around().is_none());
-        let mut pieces: Vec<(u32, Piece)> = Vec::new();
-        let mut add = |&cell: &Cell| {
-            let (before, (first, found)) =
-                (pieces.len() as u32, lights.lights[cell.light as usize].pieces(cell.low, cell.high));
-            pieces.extend(found.into_iter().map(|piece| (cell.light, piece)));
-            Pieces { cell, first, before }
-        };
-        let cells: Vec<_> = near.map(&mut add).collect();
-        let centres: Vec<_> = pieces.iter().map(|(_, piece)| 0.5 * (piece.low + piece.high)).collect();
-        let order = hilbert::order(&centres);
-        let mut place = vec![0; pieces.len()];
-        (0..).zip(&order).for_each(|(at, &piece)| place[piece as usize] = at);
-        let total: f64 = cells.iter().map(|pieces| pieces.cell.power(&lights.lights)).sum();
-        let leaf = |&i: &u32| {
-            let (id, piece) = pieces[i as usize];
-            let ([low, high], light) = (piece.square, &lights.lights[id as usize]);
-            let (size, last) = (high - low, DVec2::new(high.x.next_down(), high.y.next_down()));
-            let share = size.x * size.y;
-            let leaf = Leaf { light: id, low, size, last, area: share * light.measure };
-            (leaf, Bound::of(&piece, share * light.brightness() / total, light.both_sides))
-        };
-        let (leaves, bounds): (Vec<_>, Vec<_>) = order.iter().map(leaf).unzip();
-        let mut nodes = Vec::new();
-        match &bounds[..] {
-            [] => {}
-            // For its bound beside that of distant lights.
-            [only] if afar.len() > 0 => nodes.push(only.node()),
-            [_] => {}
-            _ => _ = build(&bounds, &mut nodes),
-        }
-        Self { leaves, nodes, cells, place, afar, near_power: total }
+        let radius = |cell: &Cell| lights.lights[cell.light as usize].radius_around();
+        let near = Tree::new::<Bound>(lights, cells.iter().filter(|cell| radius(cell).is_none()).copied());
+        let afar = Tree::new::<Directions>(lights, cells.iter().filter(|cell| radius(cell).is_some()).copied());
+        let irradiance = |cell| Some(Cell::power(cell, &lights.lights) / f64::from(radius(cell)?).powi(2));
+        Self { near, afar, irradiance: cells.iter().filter_map(irradiance).sum() }
     }
 
     /// Whether there is more than one piece: else points are uniform over it, whatever the vertex.
     #[inline]
     pub fn has_choice(&self) -> bool {
-        self.leaves.len() + self.afar.len() > 1
+        self.near.len() + self.afar.len() > 1
     }
 
-    /// A point for `vertex` from two uniform numbers, and its density in its light's measure, in the mean over the piece: to be multiplied
+    /// A point for a vertex from two uniform numbers, and its density in its light's measure, in the mean over the piece: to be multiplied
     /// by the point's exitance over its light's mean.
     #[inline(always)]
-    pub fn sample(&self, vertex: &Vertex, u: f64, v: f64) -> (LightPoint, f64) {
-        if self.afar.len() > 0 { self.sample_all(*vertex, u, v) } else { self.sample_near(vertex, u, v) }
+    pub fn sample(&self, receiver: &Receiver, [u, v]: [f64; 2]) -> (LightPoint, f64) {
+        if self.afar.len() > 0 {
+            self.sample_all(*receiver, [u, v])
+        } else {
+            self.near.sample(from_near(receiver), u, v)
+        }
     }
 
     /// The same with distant lights among the others.
     #[inline(never)]
-    fn sample_all(&self, vertex: Vertex, u: f64, v: f64) -> (LightPoint, f64) {
-        let from_afar = self.share_from_afar(&vertex);
-        let (share, (point, density)) = if u < from_afar {
-            (from_afar, self.afar.sample(u / from_afar, v))
-        } else {
-            let rest = 1.0 - from_afar;
-            (rest, self.sample_near(&vertex, ((u - from_afar) / rest).min(1f64.next_down()), v))
-        };
-        (point, share * density)
-    }
-
-    /// Probability of drawing a point on a distant light.
-    fn share_from_afar(&self, vertex: &Vertex) -> f64 {
-        let Some(root) = self.nodes.first() else { return 1.0 };
-        let afar = self.afar.irradiance / self.near_power;
-        let near = f64::from(root.importance(vertex.position, vertex.shading_normal).element_sum());
-        if near.is_finite() { afar / (afar + near) } else { self.afar.power() / (self.afar.power() + self.near_power) }
-    }
-
-    #[inline(always)]
-    fn sample_near(&self, vertex: &Vertex, u: f64, v: f64) -> (LightPoint, f64) {
-        let (place, probability, u) = if self.leaves.len() > 1 { self.choose(vertex, u) } else { (0, 1.0, u) };
-        let leaf = &self.leaves[place];
-        (leaf.point(u, v), probability / leaf.area)
-    }
-
-    /// The place of a leaf for `vertex`, drawn by a uniform number, its probability, and another uniform number.
-    fn choose(&self, vertex: &Vertex, mut u: f64) -> (usize, f64, f64) {
-        let (place, probability) = self.descend(vertex, |_, probabilities| {
-            let mut below = 0.0;
-            let probabilities = probabilities.to_array();
-            let last = probabilities.iter().rposition(|&p| p > 0.0).unwrap_or(0);
-            for (part, p) in probabilities.map(f64::from).into_iter().enumerate() {
-                if (u < below + p && p > 0.0) || part == last {
-                    u = ((u - below) / p).clamp(0.0, 1f64.next_down());
-                    return part;
-                }
-                below += p;
-            }
-            last
-        });
-        (place, probability, u)
+    fn sample_all(&self, receiver: Receiver, [u, v]: [f64; 2]) -> (LightPoint, f64) {
+        let weigh = from_afar(&receiver);
+        let share = self.share_from_afar(&receiver, &weigh);
+        if u < share {
+            let (point, density) = self.afar.sample(weigh, u / share, v);
+            return (point, share * density);
+        }
+        let rest = 1.0 - share;
+        let (point, density) = self.near.sample(from_near(&receiver), ((u - share) / rest).min(1f64.next_down()), v);
+        (point, rest * density)
     }
 
     /// The density that [`sample`](Self::sample) tells of a point that it draws, given also the point's light and the number of its
     /// triangle within that light; 0 for a point that is not in the region.
     #[inline]
-    pub fn density(&self, vertex: &Vertex, number: (u32, u32), point: &LightPoint) -> f64 {
+    pub fn density(&self, receiver: &Receiver, number: (u32, u32), point: &LightPoint) -> f64 {
         if self.afar.len() > 0 {
-            return self.density_of_all(*vertex, number, point);
+            return self.density_of_all(*receiver, number, point);
         }
-        self.density_near(vertex, number, point)
+        self.near.density(from_near(receiver), number, point)
     }
 
     /// The same with distant lights among the others.
     #[inline(never)]
-    fn density_of_all(&self, vertex: Vertex, number: (u32, u32), point: &LightPoint) -> f64 {
-        let from_afar = self.share_from_afar(&vertex);
-        match self.afar.density(point) {
-            Some(density) => from_afar * density,
-            None => (1.0 - from_afar) * self.density_near(&vertex, number, point),
+    fn density_of_all(&self, receiver: Receiver, number: (u32, u32), point: &LightPoint) -> f64 {
+        let weigh = from_afar(&receiver);
+        let share = self.share_from_afar(&receiver, &weigh);
+        if self.afar.holds(number.0) {
+            share * self.afar.density(weigh, number, point)
+        } else {
+            (1.0 - share) * self.near.density(from_near(&receiver), number, point)
         }
     }
 
-    #[inline]
-    fn density_near(&self, vertex: &Vertex, number: (u32, u32), point: &LightPoint) -> f64 {
-        let Some(place) = self.place(number, point) else { return 0.0 };
-        let (_, probability) = self.descend(vertex, |ends, _| ends.iter().filter(|&&end| place >= end).count());
-        probability / self.leaves[place].area
-    }
-
-    /// The place among the leaves of the piece that a point lies on.
-    #[inline]
-    fn place(&self, (light, index): (u32, u32), point: &LightPoint) -> Option<usize> {
-        // What is met by chance may lie on the square's upper bounds.
-        let at = DVec2::new(point.u, point.v).min(DVec2::splat(1f64.next_down()));
-        let run = self.cells.partition_point(|pieces| pieces.cell.light < light);
-        let holds = |pieces: &Pieces| pieces.cell.holds(at);
-        let cell = run + self.cells[run..].iter().take_while(|p| p.cell.light == light).position(holds)?;
-        let Pieces { first, before, .. } = self.cells[cell];
-        let end = self.cells.get(cell + 1).map_or(self.place.len(), |next| next.before as usize);
-        // The two triangles of a parallelogram are one piece.
-        let piece = ((before + index.saturating_sub(first)) as usize).min(end - 1);
-        Some(self.place[piece] as usize)
-    }
-
-    /// Goes from the root to a leaf by the parts that `choose` takes, given the ends of the first three and the probabilities of
-    /// all; returns the leaf's place and the product of the probabilities.
-    #[inline]
-    fn descend(&self, vertex: &Vertex, mut choose: impl FnMut([usize; 3], Vec4) -> usize) -> (usize, f64) {
-        let (mut first, mut last, mut node, mut probability) = (0, self.leaves.len(), 0, 1.0);
-        while last - first > 1 {
-            let (ends, probabilities) = (quarters(first, last), self.nodes[node].probabilities(vertex));
-            let part = choose([ends[1], ends[2], ends[3]], probabilities);
-            probability *= f64::from(probabilities[part]);
-            (first, last, node) = (ends[part], ends[part + 1], self.nodes[node].below[part] as usize);
+    /// Probability of drawing a point on a distant light.
+    fn share_from_afar(&self, receiver: &Receiver, weigh: impl Fn(&Node) -> Vec4) -> f64 {
+        if self.near.len() == 0 {
+            return 1.0;
         }
-        (first, probability)
+        let afar = self.afar.weight(weigh) * self.irradiance;
+        let near = self.near.weight(from_near(receiver)) * self.near.power;
+        let all = afar + near;
+        if all > 0.0 && all.is_finite() { afar / all } else { self.afar.power / (self.afar.power + self.near.power) }
     }
+}
+
+/// Weights of the parts of a node for a vertex.
+#[inline(always)]
+fn from_near(receiver: &Receiver) -> impl Fn(&Node) -> Vec4 {
+    let (position, normal) = (receiver.vertex.position, receiver.vertex.shading_normal);
+    move |node| node.irradiance(position, normal)
+}
+
+/// The same from infinitely far away.
+#[inline(always)]
+fn from_afar(receiver: &Receiver) -> impl Fn(&Node) -> Vec4 {
+    let (normal, both_sides) = receiver.lit_side();
+    move |node| node.irradiance_from_afar(normal, both_sides)
 }
 
 #[cfg(test)]
@@ -224,11 +126,12 @@ mod tests {
     use super::*;
     use crate::engine::{Purpose, generator, uniform};
     use crate::transport::colour::Rgb;
+    use crate::transport::geometry::Vertex;
     use crate::transport::lights::region::LightRegion;
     use crate::transport::lights::strata::{LightStrata, Stratification};
     use crate::transport::scene::Scene;
-    use crate::transport::tests::worlds::{World, lamps, lamps_and_sky, outdoors, rough_metal, suns};
-    use glam::{DVec3, Vec3A};
+    use crate::transport::tests::worlds::{World, glass, lamps, lamps_and_sky, outdoors, rough_metal, suns};
+    use glam::{DVec3, Vec2, Vec3A};
     use rand_pcg::rand_core::Rng;
 
     fn vertices(world: &World) -> Vec<Vertex> {
@@ -239,6 +142,17 @@ mod tests {
 
     fn points(rng: &mut impl Rng) -> [f64; 2] {
         [uniform(rng), uniform(rng)]
+    }
+
+    /// The side of a vertex that a point of the lights is on.
+    fn towards<'a>(world: &'a World, vertex: &Vertex, point: &LightPoint) -> Receiver<'a> {
+        Receiver::of_light(&world.scene, &world.scene.light_point(point).1, vertex)
+    }
+
+    /// Whether a point is on the side that is asked about, or of a vertex that has two.
+    fn lit(receiver: &Receiver, point: &LightPoint) -> bool {
+        let other = Receiver::of_light(receiver.scene, &receiver.scene.light_point(point).1, &receiver.vertex);
+        receiver.lit_side().1 || receiver.lit_side() == other.lit_side()
     }
 
     fn number(scene: &Scene, point: &LightPoint) -> (u32, u32) {
@@ -269,14 +183,22 @@ mod tests {
             for vertex in vertices(world).into_iter().step_by(3) {
                 for _ in 0..10 {
                     let [u, v] = points(&mut rng);
-                    let (point, density) = tree.sample(&vertex, u, v);
-                    let again = tree.density(&vertex, number(&world.scene, &point), &point);
-                    assert!((density / again - 1.0).abs() < 1e-6, "{density} {again}");
+                    let to_eye = world.camera.vertex().position - vertex.position;
+                    let receiver = Receiver { scene: &world.scene, vertex, towards: to_eye };
+                    let (point, density) = tree.sample(&receiver, [u, v]);
+                    let again = tree.density(&towards(world, &vertex, &point), number(&world.scene, &point), &point);
+                    let same = (density / again - 1.0).abs() < 1e-6;
+                    assert!(same || !lit(&receiver, &point), "{density} {again}");
                     let point = whole.sample(u, v);
                     let inside =
                         region.cells().iter().any(|c| c.light == point.light && c.holds([point.u, point.v].into()));
                     elsewhere += u32::from(!inside);
-                    assert!(inside || tree.density(&vertex, number(&world.scene, &point), &point) == 0.0, "{point:?}");
+                    assert!(
+                        inside
+                            || tree.density(&towards(world, &vertex, &point), number(&world.scene, &point), &point)
+                                == 0.0,
+                        "{point:?}"
+                    );
                 }
             }
         }
@@ -297,15 +219,22 @@ mod tests {
         for region in regions(world) {
             let tree = region.light_sampler();
             for vertex in vertices(world).into_iter().step_by(4) {
+                let receiver = Receiver { scene: &world.scene, vertex, towards: vertex.shading_normal };
                 let [mut sum, mut squares] = [0.0; 2];
                 for _ in 0..n {
                     let [u, v] = points(&mut rng);
                     let point = region.sample(u, v);
                     let (light, source) = world.scene.light_point(&point);
-                    let density = tree.density(&vertex, number(&world.scene, &point), &point);
-                    let to_vertex = (vertex.position - source.position).normalize();
+                    let density = tree.density(&receiver, number(&world.scene, &point), &point);
+                    let to_vertex = match source.is_distant() {
+                        true => -source.position,
+                        false => (vertex.position - source.position).normalize(),
+                    };
                     if density == 0.0 {
                         unseen += 1;
+                        if !lit(&receiver, &point) {
+                            continue;
+                        }
                         assert_eq!(world.scene.emitted(&source, to_vertex), Rgb::ZERO, "{vertex:?} {source:?}");
                     }
                     let ratio = density * region.power() / light.mean_exitance();
@@ -323,6 +252,34 @@ mod tests {
         unseen
     }
 
+    /// Share of points on suns among those that are drawn for the ball of a world, seen from before or from behind its surface.
+    fn share_of_suns(world: &World, from_behind: bool) -> f64 {
+        let seen = |i: u32| {
+            let film = (Vec2::new((i % 16) as f32, (i / 16) as f32) + 0.5) / 16.0;
+            let ray = world.camera.sample(film, &world.camera.vertex());
+            world.scene.trace_ray(ray.origin, ray.direction())
+        };
+        let on_ball = |vertex: &Vertex| vertex.shading_normal != vertex.geometric_normal;
+        let vertex = (0..256).filter_map(seen).find(on_ball).unwrap();
+        let region = LightRegion::whole(world.scene.lights());
+        let towards = if from_behind { -vertex.shading_normal } else { vertex.shading_normal };
+        let receiver = Receiver { scene: &world.scene, vertex, towards };
+        let sun = |light: u32| world.scene.lights().lights[light as usize].measure < 1.0;
+        let mut rng = generator(5, Purpose::Sample, 0, 0, 0);
+        let drawn =
+            (0..2000).filter(|_| sun(region.light_sampler().sample(&receiver, points(&mut rng)).0.light)).count();
+        drawn as f64 / 2000.0
+    }
+
+    /// All suns are before the ball; that glass has no side is the control.
+    #[test]
+    fn suns_behind_a_surface_are_not_drawn_unless_light_passes_it() {
+        let shares = |bsdf| [false, true].map(|from_behind| share_of_suns(&suns(bsdf), from_behind));
+        let ([before, behind], [outside, inside]) = (shares(rough_metal()), shares(glass(0.5)));
+        assert!(before > 0.5 && behind < 0.2 * before, "{before}, {behind}");
+        assert!(outside == inside && outside > 0.5, "{outside}, {inside}");
+    }
+
     #[test]
     fn near_lights_are_preferred() {
         let world = lamps();
@@ -334,7 +291,8 @@ mod tests {
         let drawn = |light: u32, rng: &mut _| {
             let hits = (0..2000).filter(|_| {
                 let [u, v] = points(rng);
-                tree.sample(&near, u, v).0.light == light
+                let receiver = Receiver { scene: &world.scene, vertex: near, towards: near.shading_normal };
+                tree.sample(&receiver, [u, v]).0.light == light
             });
             hits.count() as f64 / 2000.0
         };

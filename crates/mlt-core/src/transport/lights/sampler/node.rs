@@ -1,6 +1,5 @@
-//! Bounds on the irradiance that the four parts of a node of a [`LightSampler`](super::LightSampler) send to a vertex.
+//! Bounds on the irradiance that the four parts of a node of a [`Tree`](super::tree::Tree) send to a vertex.
 
-use crate::transport::geometry::Vertex;
 use glam::{Vec3A, Vec4};
 use std::array;
 
@@ -10,7 +9,9 @@ pub(super) const WIDTH: usize = 4;
 /// A quarter each of a run of leaves: a ball around its pieces and a cone around the normals of their fronts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Node {
+    /// Of directions, which have no place, their mean m.
     pub(super) centre: [Vec4; 3],
+    /// Of directions (1 − m²)/4, so that the estimate is right for those all around.
     pub(super) radius: Vec4,
     pub(super) axis: [Vec4; 3],
     /// Cosine and sine of half of the cone's opening.
@@ -58,7 +59,7 @@ impl Node {
     /// of any of the normals with the direction to the vertex, and θ_i' that of the vertex's normal with any direction to
     /// the ball. A bound is zero only where nothing arrives.
     #[inline]
-    pub(super) fn importance(&self, position: Vec3A, normal: Vec3A) -> Vec4 {
+    pub(super) fn irradiance(&self, position: Vec3A, normal: Vec3A) -> Vec4 {
         let [px, py, pz] = position.to_array().map(Vec4::splat);
         let away = [px - self.centre[0], py - self.centre[1], pz - self.centre[2]];
         let (square, ball_square) = (dot(&away, &away), self.radius * self.radius);
@@ -74,10 +75,19 @@ impl Node {
         self.power * inverse * Vec4::select(outside.cmpgt(Vec4::ZERO), cosines, Vec4::ONE)
     }
 
-    /// Probabilities of the parts.
+    /// Estimates of the irradiance from afar at a surface with the normal n on the side that is lit, but for a factor: power × mean of
+    /// max(0, n·ω) = (n·ω + |n·ω|)/2, for which stands (n·m + √((n·m)² + w))/2 with the mean direction m and the width w. It is zero only for
+    /// a single direction behind the surface. Where both sides are lit, power × √((n·m)² + w).
     #[inline]
-    pub(super) fn probabilities(&self, vertex: &Vertex) -> Vec4 {
-        let weights = self.importance(vertex.position, vertex.shading_normal);
+    pub(super) fn irradiance_from_afar(&self, normal: Vec3A, both_sides: bool) -> Vec4 {
+        let along = dot(&normal.to_array().map(Vec4::splat), &self.centre);
+        let size = (along * along + self.radius).sqrt();
+        self.power * if both_sides { size } else { 0.5 * (along + size) }
+    }
+
+    /// Probabilities of the parts by such weights.
+    #[inline]
+    pub(super) fn probabilities(&self, weights: Vec4) -> Vec4 {
         let total = weights.element_sum();
         if total > 0.0 && total.is_finite() { weights / total } else { self.power / self.power.element_sum() }
     }

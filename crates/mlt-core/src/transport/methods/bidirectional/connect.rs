@@ -95,7 +95,7 @@ impl Bidirectional<'_> {
         let light = &lights.lights[point.light as usize];
         let relative = self.view.scene.relative_exitance(light, &x.vertex, value);
         let forward = light.mean_exitance() * relative / self.region.power();
-        let preference = self.region.preference(lights, [&x.vertex, &vertices[1].vertex], &point);
+        let preference = self.region.preference(self.view.scene, [&x.vertex, &vertices[1].vertex], &point);
         let Carried { throughput, others, .. } = eye.carried(t);
         let weight = 1.0 / (1.0 + later_techniques(vertices, (forward, pdf_to_eye), others, preference));
         Some(throughput * value.as_dvec3() * weight)

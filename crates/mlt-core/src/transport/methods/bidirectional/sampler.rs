@@ -217,7 +217,7 @@ impl Bidirectional<'_> {
             let factor = x.scatter.as_dvec3() * (x.geometric_term / y.forward);
             if i == 0 {
                 certain = light.carried[0].throughput.x * factor.max_element();
-                *preference = self.region.preference(self.view.scene.lights(), [&x.vertex, &y.vertex], point);
+                *preference = self.region.preference(self.view.scene, [&x.vertex, &y.vertex], point);
             }
             let ends = Ends { power, preference: *preference, area: 1.0 };
             let others =
@@ -260,8 +260,8 @@ impl Bidirectional<'_> {
         if !self.region.light_sampler().has_choice() {
             return;
         }
-        let x_1 = &scratch.eye.vertices[scratch.eye.vertices.len() - t].vertex;
-        if !x_1.delta {
+        let x_1 = &scratch.eye.vertices[scratch.eye.vertices.len() - t];
+        if !x_1.vertex.delta {
             let (x_0, point, preference) = start_near(&self.view, self.region, x_1, scratch.light_numbers);
             scratch.near.start(1, (x_0, point), self.region.power(), preference);
         }

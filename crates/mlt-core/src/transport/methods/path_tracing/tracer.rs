@@ -10,7 +10,7 @@
 use crate::engine::{uniform, uniform_f32};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Vertex;
-use crate::transport::lights::LightSampler;
+use crate::transport::lights::{LightSampler, Receiver};
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
 use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd};
@@ -164,7 +164,8 @@ impl PathTracer<'_> {
         {
             let cos = x.geometric_normal.dot(to_eye).abs();
             let relative = scene.relative_exitance(&lights.lights[number.0 as usize], &x, emitted);
-            let drawn = self.light_sampler.density(&from, number, &point) * relative;
+            let receiver = Receiver { scene, vertex: from, towards: -to_eye };
+            let drawn = self.light_sampler.density(&receiver, number, &point) * relative;
             return emitted * power_heuristic(pdf * cos, drawn as f32);
         }
         emitted
@@ -174,7 +175,8 @@ impl PathTracer<'_> {
     #[inline(always)]
     fn direct(&self, walk: &Walk, surface: Surface, rng: &mut impl Rng) -> Option<(Rgb, LightPoint)> {
         let scene = self.view.scene;
-        let (point, density) = self.light_sampler.sample(&walk.vertex, uniform(rng), f64::from(uniform_f32(rng)));
+        let receiver = Receiver { scene, vertex: walk.vertex, towards: walk.to_eye };
+        let (point, density) = self.light_sampler.sample(&receiver, [uniform(rng), f64::from(uniform_f32(rng))]);
         let (light, source) = scene.light_point(&point);
         let edge = Edge::between(&source, &walk.vertex)?;
         let (to_light, [leaving, arriving]) = (-edge.direction, edge.cosines);
@@ -201,7 +203,8 @@ impl PathTracer<'_> {
     ) -> Option<()> {
         let View { scene, camera } = self.view;
         let (middle, eye) = (camera.vertex(), camera.sample_lens(rng));
-        let (point, density) = self.light_sampler.sample(&middle, uniform(rng), f64::from(uniform_f32(rng)));
+        let receiver = Receiver { scene, vertex: middle, towards: middle.geometric_normal };
+        let (point, density) = self.light_sampler.sample(&receiver, [uniform(rng), f64::from(uniform_f32(rng))]);
         let (light, source) = scene.light_point(&point);
         let edge = Edge::between(&source, &eye)?;
         let direction = -edge.direction;

@@ -138,7 +138,7 @@ impl<I> Multiplexed<'_, I> {
             path.update(&view, 0..=0)?;
         } else {
             if s == 1 {
-                let (x_0, point, preference) = start_near(&view, region, &path.vertices[1].vertex, first);
+                let (x_0, point, preference) = start_near(&view, region, &path.vertices[1], first);
                 (path.vertices[0], path.light, near) = (x_0, point, Some(preference));
             }
             path.connect(&view, s, s - 1..=s)?;

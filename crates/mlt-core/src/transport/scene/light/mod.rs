@@ -164,13 +164,15 @@ impl Light {
         }
     }
 
-    /// Its flat parts, as far as they lie between two corners of the unit square, in the order of their numbers; and the first
-    /// one's number. A distant light has none.
+    /// Its parts, as far as they lie between two corners of the unit square, in the order of their numbers; and the first one's number. A
+    /// distant light has one.
     pub(crate) fn pieces(&self, low: DVec2, high: DVec2) -> (u32, Vec<Piece>) {
         match &self.shape {
             Shape::Area(area) => area.pieces(low, high),
             Shape::Point(source) => (0, vec![source.piece([low, high])]),
-            Shape::Environment(_) | Shape::Sun(_) | Shape::Direction(_) => (0, Vec::new()),
+            Shape::Environment(around) => (0, vec![around.piece([low, high])]),
+            Shape::Sun(sun) => (0, vec![sun.piece([low, high])]),
+            Shape::Direction(rays) => (0, vec![Piece::of_directions([low, high], rays.towards.into())]),
         }
     }
 

@@ -1,13 +1,13 @@
-//! Flat parts of lights.
+//! Parts of lights.
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// A flat part of a light.
+/// A flat part of a surface, or a part of the directions that a distant light is seen in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     /// Its place in the light's unit square: the corners with the smallest and with the largest coordinates.
     pub(crate) square: [DVec2; 2],
-    /// Corner of its bounding box with the smallest coordinates.
+    /// Corner of its bounding box with the smallest coordinates; of directions their mean, as the other one is.
     pub(crate) low: Vec3,
     /// Corner with the largest ones.
     pub(crate) high: Vec3,
@@ -27,5 +27,10 @@ impl Piece {
             normal: (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3(),
             spread: 0.0,
         }
+    }
+
+    /// Directions with this mean, weighted by power: the shorter, the wider they are spread.
+    pub(super) fn of_directions(square: [DVec2; 2], mean: Vec3) -> Self {
+        Self { square, low: mean, high: mean, normal: Vec3::Z, spread: 0.0 }
     }
 }

@@ -1,10 +1,10 @@
 //! Suns: distant lights that are seen as a disc of directions, each of the same radiance.
 
-use super::{Light, Shape};
+use super::{Light, Piece, Shape};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Sphere;
 use crate::transport::geometry::math::{frame, turn, unit};
-use glam::{Vec3, Vec3A};
+use glam::{DVec2, Vec3, Vec3A};
 use std::f32::consts::PI as PI_F32;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -55,6 +55,11 @@ impl Sun {
         let (s, t) = frame(self.towards);
         let v = libm::atan2f(direction.dot(t), direction.dot(s)) / (2.0 * PI_F32);
         (self.square(direction).min(1.0), f64::from(v - v.floor()))
+    }
+
+    /// A part of the unit square, with the mean of the whole disc: its height is (1 + cosα)/2.
+    pub(super) fn piece(&self, square: [DVec2; 2]) -> Piece {
+        Piece::of_directions(square, ((1.0 - self.half_sine_squared) as f32 * self.towards).into())
     }
 
     /// Whether a unit direction is one of its own.

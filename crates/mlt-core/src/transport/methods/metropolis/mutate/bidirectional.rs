@@ -104,7 +104,7 @@ impl BidirectionalMutation<'_> {
             }
         }
         if let (Some(numbers), 1) = (light_end, joint) {
-            let x_1 = &path.vertices[1].vertex;
+            let x_1 = &path.vertices[1];
             (path.vertices[0], path.light, _) = start_near(&self.view, region, x_1, numbers);
         }
         let changed = edit.s.saturating_sub(1)..=edit.s + edit.added;

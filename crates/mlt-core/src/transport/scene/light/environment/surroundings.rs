@@ -5,9 +5,12 @@ use super::{Environment, azimuth};
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::Sphere;
 use crate::transport::geometry::math::{acos, atan2, turn, unit};
-use crate::transport::scene::light::{Light, Shape};
-use glam::{DVec3, Vec3, Vec3A};
+use crate::transport::scene::light::{Light, Piece, Shape};
+use glam::{DVec2, DVec3, Vec3, Vec3A};
 use std::f64::consts::{PI, TAU};
+
+/// Rows and columns of samples of a piece, for the mean of its directions.
+const SAMPLES: u32 = 16;
 
 /// An environment with the sphere that it sends light into.
 #[derive(Clone, Debug)]
@@ -52,6 +55,15 @@ impl Surroundings {
         let z = self.distribution.height(&place);
         let radius = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt() as f32;
         unit(Vec3A::new(radius * around.x, z as f32, radius * around.y))
+    }
+
+    /// The part between two corners of the unit square: its directions have density by power there.
+    pub(in crate::transport::scene::light) fn piece(&self, [low, high]: [DVec2; 2]) -> Piece {
+        let places = (0..SAMPLES).flat_map(|i| (0..SAMPLES).map(move |j| DVec2::new(i.into(), j.into())));
+        let at = |place: DVec2| low + (high - low) * (place + 0.5) / f64::from(SAMPLES);
+        let directions = places.map(at).map(|at| self.direction(at.x, at.y));
+        let mean = directions.sum::<Vec3A>() / (SAMPLES * SAMPLES) as f32;
+        Piece::of_directions([low, high], mean.into())
     }
 
     /// The point of the unit square that a direction comes from.
