@@ -16,25 +16,17 @@ pub(super) fn per_pixel(measure: Measure, from: u32, to: u32) -> Measure {
     }
 }
 
-/// The same chains for so many times the light, of which what is added is easy: its own noise is little, but it takes its share of the visits.
-pub(super) fn for_more(measure: Measure, factor: f64) -> Measure {
-    Measure {
-        b: factor * measure.b,
-        b_stderr: measure.b_stderr,
-        chain_error: measure.chain_error.map(|error| factor * error),
-        ..measure
-    }
-}
-
-/// Least error × work of chains in these strata.
-pub(super) fn product(measures: &[Measure]) -> f64 {
-    measures.iter().map(side).sum::<f64>().powi(2)
-}
-
-/// Root of the least error × work of a stratum: mutations and samples share the work in proportion to the roots of theirs.
-fn side(measure: &Measure) -> f64 {
-    let of = |error: f64, rays: f64| (error * rays * TIME_OF_A_CHAINS_RAY).sqrt();
-    of(measure.chain_error.unwrap_or(0.0), measure.mutation_cost) + of(measure.sample_error, measure.sample_cost)
+/// Error × work of chains in these strata with what they are handed out of so much work, that of all pixels. `starts`: what their starts
+/// leave by strata, as chains tell it, which may be more than samples do.
+pub(super) fn product(measures: &[Measure], starts: &[f64], work: f64, per_sample: u64) -> f64 {
+    let shares = share_out(measures, work, per_sample);
+    let with =
+        |(&measure, &starts): (&Measure, &f64)| Measure { sample_error: measure.sample_error.max(starts), ..measure };
+    let noisy = measures.iter().zip(starts).map(with);
+    let error: f64 = noisy.zip(&shares).map(|(measure, share)| measure.error(share)).sum();
+    let spent: f64 = measures.iter().zip(&shares).map(|(measure, share)| work_of(measure, share)).sum();
+    // For each of P pixels, errors are P times as large and the work is a Pth.
+    error * spent
 }
 
 /// Shares of a round of so much work, that of all pixels.

@@ -1,6 +1,6 @@
 //! From errors and costs to numbers of samples and the work of chains.
 
-use super::constants::{LEAST_CHAINS, WORK};
+use super::constants::{DOUBT, GAIN, LEAST_CHAINS, WORK};
 
 /// Path tracing in one of the ways in which it may take its share.
 #[derive(Clone, Copy, Debug)]
@@ -50,24 +50,35 @@ impl Candidate {
         let chain_work = (budget - n * self.work).max(LEAST_CHAINS * budget);
         let work = n * self.work + chain_work;
         let product = (self.error(n, usual) + self.chains / chain_work) * work;
-        let fits = (WORK[0]..=WORK[1]).contains(&(work / budget));
-        fits.then_some(Decision { candidate: self, samples: n, chain_work, product })
+        fits(work, budget).then_some(Decision { candidate: self, samples: n, chain_work, product })
     }
 }
 
+fn fits(work: f64, budget: f64) -> bool {
+    (WORK[0]..=WORK[1]).contains(&(work / budget))
+}
+
 /// The best alone, and the best with chains, for the work of `usual` samples a pixel of the first candidate. Numbers of samples are powers of two,
-/// but for those that were asked for.
+/// but for the one that was asked for.
 pub(super) fn decide(candidates: &[Candidate], usual: f64) -> [Decision; 2] {
     let budget = usual.max(1.0) * candidates[0].work;
     let powers = || (0..20).map(|i| f64::from(1u32 << i));
     let best = |of: &mut dyn Iterator<Item = Decision>| of.min_by(|a, b| a.product.total_cmp(&b.product));
-    let alone = candidates.iter().enumerate().map(|(i, candidate)| {
-        let n = if i == 0 { usual } else { (budget / candidate.work).log2().round().max(0.0).exp2() };
-        candidate.alone(n, usual)
+    let alone = candidates.iter().enumerate().filter_map(|(i, candidate)| {
+        let asked_for = i == 0;
+        let n = if asked_for { usual } else { (budget / candidate.work).log2().round().max(0.0).exp2() };
+        (asked_for || fits(n * candidate.work, budget)).then(|| candidate.alone(n, usual))
     });
     let mixed = candidates.iter().flat_map(|c| powers().filter_map(|n| c.with_chains(n, usual, budget)));
-    let alone = best(&mut { alone }).expect("there is a candidate");
+    let alone = best(&mut { alone }).expect("the first is there");
     [alone, best(&mut { mixed }).unwrap_or(alone)]
+}
+
+/// The better of both. Where most of what path tracing leaves alone is what chains tell, in doubt both together.
+pub(super) fn better([alone, mixed]: [Decision; 2]) -> Decision {
+    let Candidate { errors, tail, .. } = alone.candidate;
+    let factor = if tail > errors.iter().sum() { DOUBT } else { GAIN };
+    if mixed.product < factor * alone.product { mixed } else { alone }
 }
 
 #[cfg(test)]
@@ -100,6 +111,22 @@ mod tests {
         let [_, mixed] = decide(&[candidate(9.0, 1e5, 450.0), LAMPS], 64.0);
         assert_eq!(mixed.candidate.max_edges, 1);
         assert!(mixed.chain_work > 0.9 * 64.0 * 5.0);
+    }
+
+    /// A camera's ray may go on as eight walks of many rays each: half of a sample is no sample.
+    #[test]
+    fn branches_that_miss_the_budget_are_not_taken() {
+        let eight = Candidate { branches: 8, work: 33.0, errors: [0.0, 0.1], ..candidate(0.0, 0.0, 1e9) };
+        let [alone, _] = decide(&[candidate(9.0, 0.0, 1e9), eight], 4.0);
+        assert_eq!((alone.candidate.branches, alone.samples), (1, 4.0));
+        assert_eq!(decide(&[candidate(9.0, 0.0, 1e9), eight], 32.0)[0].candidate.branches, 8);
+    }
+
+    #[test]
+    fn what_is_in_doubt_is_for_both() {
+        let chosen = |error, tail, chains| better(decide(&[candidate(error, tail, chains)], 64.0)).chain_work > 0.0;
+        assert!(chosen(1.0, 0.9, 0.1) && !chosen(1.0, 0.9, 5.0));
+        assert!(chosen(1.0, 20.0, 60.0) && !chosen(1.0, 20.0, 1000.0));
     }
 
     #[test]

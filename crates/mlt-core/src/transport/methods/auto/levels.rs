@@ -3,7 +3,7 @@
 use super::split::IN_VIEW;
 use crate::engine::{DecodeError, PILOT, Purpose, Reader, Watch, generator, put, put_list};
 use crate::transport::colour::LUMINANCE;
-use crate::transport::image::{blurred, weights_of_smooth};
+use crate::transport::image::blurred;
 use crate::transport::methods::bidirectional::Bidirectional;
 use crate::transport::methods::independent::{ImageSampler, point_in_pixel};
 use crate::transport::methods::sobol::OwenSobol;
@@ -25,8 +25,8 @@ pub(super) struct Levels {
     values: Vec<f64>,
 }
 
-/// What a sample shows: its pixel and its half; luminance without lamps in view, and the sum over channels of all.
-type Shown = ([usize; 2], [f64; 2]);
+/// What a sample shows: its pixel and its half; luminance.
+type Shown = ([usize; 2], f64);
 
 impl Levels {
     /// The same everywhere.
@@ -34,25 +34,21 @@ impl Levels {
         Self { size: [1, 1], values: vec![level] }
     }
 
-    /// By bidirectional samples, which miss little that others meet; and weights of squared errors, pixel by pixel. Nothing if it is
-    /// stopped.
-    pub(super) fn measure(sampler: &Bidirectional, seed: u64, watch: Watch) -> Option<(Self, Vec<f64>)> {
+    /// By bidirectional samples, which miss little that others meet. Nothing if it is stopped.
+    pub(super) fn measure(sampler: &Bidirectional, seed: u64, watch: Watch) -> Option<Self> {
         let size = sampler.size();
         let pixels = size[0] * size[1];
         let pieces = watch.pieces(pixels as usize);
         let of_pixel = |pixel| pieces.unless_stopped(|| shown(sampler, pixel, seed));
         let shown: Vec<Vec<Shown>> = (0..pixels).into_par_iter().map(of_pixel).collect::<Option<_>>()?;
-        // Of the light without lamps in view, and of all: both halves.
-        let mut images = [(); 2].map(|()| [(); 2].map(|()| vec![0.0; pixels as usize]));
-        for ([pixel, half], values) in shown.iter().flatten() {
-            for (image, value) in images.iter_mut().zip(values) {
-                image[*half][*pixel] += value / (SAMPLES / 2) as f64;
-            }
+        let mut halves = [(); 2].map(|()| vec![0.0; pixels as usize]);
+        for ([pixel, half], value) in shown.into_iter().flatten() {
+            halves[half][pixel] += value / (SAMPLES / 2) as f64;
         }
-        let [light, all] = images.map(|halves| without_noise(&halves, size));
+        let light = without_noise(&halves, size);
         let floor = FLOOR * light.iter().sum::<f64>() / f64::from(pixels);
         let values = light.into_iter().map(|level| level.max(floor)).collect();
-        Some((Self { size, values }, weights_of_smooth(&all)))
+        Some(Self { size, values })
     }
 
     /// Whether there is no light at all.
@@ -102,9 +98,10 @@ fn shown(sampler: &Bidirectional, pixel: u32, seed: u64) -> Vec<Shown> {
         rng.go_to(index);
         let film = point_in_pixel(pixel.into(), sampler.size(), rng);
         sampler.sample(film, rng, &mut |elsewhere, value, end| {
-            let light = if IN_VIEW.contains(end.kind) { 0.0 } else { value.dot(DVec3::from_array(LUMINANCE)) };
-            let at = [elsewhere.unwrap_or(pixel) as usize, index as usize % 2];
-            shown.push((at, [light, value.element_sum()]));
+            if !IN_VIEW.contains(end.kind) {
+                let at = [elsewhere.unwrap_or(pixel) as usize, index as usize % 2];
+                shown.push((at, value.dot(DVec3::from_array(LUMINANCE))));
+            }
         });
     }
     shown

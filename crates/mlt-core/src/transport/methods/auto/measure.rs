@@ -18,10 +18,12 @@ const LONG: u64 = 4;
 pub(super) const CLASSES: usize = 3;
 
 /// Path tracing's share of the image, by classes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Measured {
-    /// Error that one sample a pixel leaves: mean over pixels of weight × variance.
-    pub(super) errors: [f64; CLASSES],
+    /// What each pixel shows, sum over channels.
+    pub(super) image: Vec<f64>,
+    /// Variance of one sample in each pixel.
+    variances: Vec<[f64; CLASSES]>,
     /// Mean over pixels, sum over channels.
     pub(super) energies: [f64; CLASSES],
     /// Samples taken of each pixel.
@@ -36,35 +38,49 @@ type Pixel = ([[f64; 2]; CLASSES], Vec<(u32, f64)>, u64);
 impl Measured {
     /// Takes some sequences of `samples` samples in every pixel: as many as a round is to take, since the noise of well-stratified samples does
     /// not fall like that of others. Nothing if it is stopped.
-    pub(super) fn new(
-        sampler: &PathTracer,
-        split: &Split,
-        samples: u64,
-        (weights, seed): (&[f64], u64),
-        watch: Watch,
-    ) -> Option<Self> {
+    pub(super) fn new(sampler: &PathTracer, split: &Split, samples: u64, seed: u64, watch: Watch) -> Option<Self> {
+        let count = sampler.size().iter().product::<u32>();
         let sequences = if samples < LONG { 4 } else { 2 };
-        let pieces = watch.pieces(weights.len());
+        let pieces = watch.pieces(count as usize);
         let of_pixel =
             |pixel| pieces.unless_stopped(|| of_pixel(sampler, &Rest(split), pixel, [sequences, samples], seed));
-        let pixels: Vec<Pixel> = (0..weights.len() as u32).into_par_iter().map(of_pixel).collect::<Option<_>>()?;
-        let (n, taken) = (sequences as f64, (samples * sequences) as f64);
-        let mean = 1.0 / weights.len() as f64;
-        let (mut errors, mut energies, mut rays) = ([0.0; CLASSES], [0.0; CLASSES], 0);
-        for ((sums, elsewhere, spent), weight) in pixels.iter().zip(weights) {
+        let pixels: Vec<Pixel> = (0..count).into_par_iter().map(of_pixel).collect::<Option<_>>()?;
+        let [n, samples] = [sequences, samples].map(|count| count as f64);
+        let work = pixels.iter().map(|(.., rays)| *rays).sum::<u64>() as f64 / (f64::from(count) * n * samples);
+        let empty = vec![0.0; count as usize];
+        let mut measured = Self {
+            variances: vec![[0.0; CLASSES]; empty.len()],
+            image: empty,
+            energies: [0.0; CLASSES],
+            samples: n * samples,
+            work,
+        };
+        for (pixel, (sums, elsewhere, _)) in pixels.iter().enumerate() {
             for (class, [sum, squares]) in sums.iter().enumerate() {
                 let variance = (squares - sum * sum / n).max(0.0) / (n - 1.0);
-                errors[class] += weight * variance * samples as f64 * mean;
-                energies[class] += sum / n * mean;
+                measured.add(pixel, class, [sum / n, variance * samples]);
             }
             // Each is one of many points of the lights and hits its pixel rarely: Var ≈ E[v²].
             for &(site, value) in elsewhere {
-                errors[0] += weights[site as usize] * value * value / taken * mean;
-                energies[0] += value / taken * mean;
+                measured.add(site as usize, 0, [value, value * value].map(|x| x / (n * samples)));
             }
-            rays += spent;
         }
-        Some(Self { errors, energies, samples: taken, work: rays as f64 * mean / taken })
+        Some(measured)
+    }
+
+    fn add(&mut self, pixel: usize, class: usize, [value, variance]: [f64; 2]) {
+        self.variances[pixel][class] += variance;
+        self.image[pixel] += value;
+        self.energies[class] += value / self.image.len() as f64;
+    }
+
+    /// Error that one sample a pixel leaves: mean over pixels of weight × variance.
+    pub(super) fn errors(&self, weights: &[f64]) -> [f64; CLASSES] {
+        let mut errors = [0.0; CLASSES];
+        for (variances, weight) in self.variances.iter().zip(weights) {
+            errors.iter_mut().zip(variances).for_each(|(error, variance)| *error += weight * variance);
+        }
+        errors.map(|error| error / weights.len() as f64)
     }
 }
 

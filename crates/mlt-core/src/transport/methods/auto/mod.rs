@@ -22,26 +22,26 @@ use super::metropolis::{LightStratum, PathMutation};
 use super::path_tracing::PathTracer;
 use super::samples::mutations_per_sample;
 use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, Share, Watch};
-use crate::transport::image::PixelImportance;
+use crate::transport::image::{PixelImportance, error_weights};
 use crate::transport::lights::{LightRegion, LightStrata, Stratification};
 use crate::transport::scene::{View, rays_traced};
-use chains::{for_more, per_pixel, product, share_out};
+use chains::{per_pixel, product, share_out};
 use constants::{
-    BRANCHES, CHAIN_PILOT, GAIN, LEAST_SHARE, MUTATIONS, MUTATIONS_PER_SAMPLE, PIXELS, REDUCTION, ROUNDS,
+    BRANCHES, CHAIN_PILOT, LEAST_SHARE, MOSTLY_HARD, MUTATIONS, MUTATIONS_PER_SAMPLE, PIXELS, REDUCTION, ROUNDS,
     ROUNDS_OF_TIME, TIME_OF_CHAINS, USUAL_PIXELS,
 };
-use decide::{Candidate, Decision, decide};
+use decide::{Candidate, Decision, better, decide};
 use levels::Levels;
-use measure::{Measured, work_of};
+use measure::{CLASSES, Measured, work_of};
 use split::{IN_VIEW, Split, Taken};
-use tail::Tail;
+use tail::{Tail, Told};
 
 pub use constants::TIME_OF_A_CHAINS_RAY;
 pub use plan::{Plan, Summary};
 pub use render::Auto;
 
-/// Shares of the pilot's time at which its steps begin, about: levels, path tracing, tail, chains.
-const STEPS: [f64; 5] = [0.0, 0.1, 0.3, 0.6, 1.0];
+/// Shares of the pilot's time at which its steps begin, about: levels, path tracing, chains, and what these tell.
+const STEPS: [f64; 5] = [0.0, 0.1, 0.3, 0.7, 1.0];
 
 /// The task that a pilot finds a plan for.
 struct Pilot<'a> {
@@ -59,28 +59,26 @@ struct Pilot<'a> {
 }
 
 /// What chains leave and find.
+#[derive(Default)]
 struct Chained {
     /// By strata, per pixel of the render.
     measures: Vec<Measure>,
-    /// Mean over pixels, sum over channels.
-    energy: f64,
+    /// What each pixel shows of them, sum over channels.
+    image: Vec<f64>,
+    spent: PilotCounts,
 }
 
 /// Findings of a pilot.
 struct Findings {
-    measured: Measured,
-    /// T.
-    tail: f64,
-    chained: Chained,
+    /// Errors of path tracing by classes, for one sample a pixel.
+    errors: [f64; CLASSES],
+    /// Work of a sample.
+    work: f64,
+    /// By strata, per pixel of the render.
+    measures: Vec<Measure>,
+    told: Told,
     /// Share of the light, lamps in view left out, that is left to chains.
     hard: f64,
-}
-
-impl Findings {
-    /// Chains that take all light, lamps in view left out, as far as they are like those that were measured.
-    fn of_all_light(&self) -> Vec<Measure> {
-        self.chained.measures.iter().map(|&measure| for_more(measure, self.hard.recip())).collect()
-    }
 }
 
 impl Pilot<'_> {
@@ -89,12 +87,12 @@ impl Pilot<'_> {
         let (strata, camera) = (self.cut(), self.view.camera.with_size(self.size()));
         let view = View { camera: &camera, ..self.view };
         let of_light = Bidirectional { view, region: self.lights, max_edges: self.max_edges };
-        let (levels, weights) = Levels::measure(&of_light, self.seed, self.part(0))?;
+        let levels = Levels::measure(&of_light, self.seed, self.part(0))?;
         let split = Split::new(&levels, camera.size(), self.max_edges);
-        let (findings, spent) = self.findings(view, &strata, &split, &weights)?;
+        let (findings, spent) = self.findings(view, &strata, &split)?;
 
         let [alone, mixed] = decide(&self.candidates(view, &findings), self.per_pixel);
-        let chosen = if findings.hard > 0.0 && mixed.product < GAIN * alone.product { mixed } else { alone };
+        let chosen = if findings.hard > 0.0 { better([alone, mixed]) } else { alone };
         let Decision { candidate: Candidate { branches, max_edges, work, .. }, samples, chain_work, .. } = chosen;
         let summary = Summary {
             branches,
@@ -109,27 +107,27 @@ impl Pilot<'_> {
     }
 
     /// Measures both at this split.
-    fn findings(
-        &self,
-        view: View,
-        strata: &LightStrata,
-        split: &Split,
-        weights: &[f64],
-    ) -> Option<(Findings, PilotCounts)> {
+    fn findings(&self, view: View, strata: &LightStrata, split: &Split) -> Option<(Findings, PilotCounts)> {
         let samples = (self.per_pixel.max(1.0) as u64).next_power_of_two();
-        let measured = Measured::new(&self.tracer(view, 1), split, samples, (weights, self.seed), self.part(1))?;
-        let pixels = view.camera.pixels();
-        let sampled = PilotCounts { mutations: 0, rays: (f64::from(pixels) * measured.work * measured.samples) as u64 };
+        let measured = Measured::new(&self.tracer(view, 1), split, samples, self.seed, self.part(1))?;
+        let pixels = f64::from(view.camera.pixels());
+        let sampled = PilotCounts { mutations: 0, rays: (pixels * measured.work * measured.samples) as u64 };
 
         let strata = &LightStratum::of_kinds(strata, IN_VIEW.others(), view, self.max_edges);
-        let mutations = ((MUTATIONS * f64::from(pixels) / strata.len().max(1) as f64) as u64).max(LEAST_CHAIN);
+        let mutations = ((MUTATIONS * pixels / strata.len().max(1) as f64) as u64).max(LEAST_CHAIN);
         let taken = Taken { importance: self.importance, view, lights: self.lights, split };
+        let weigh = |chained: &[f64]| {
+            let both: Vec<_> = measured.image.iter().zip(chained).map(|(a, b)| a + b).collect();
+            error_weights(&both, view.camera.size())
+        };
+        let Chained { measures, image, spent } = self.chains(taken, strata, mutations, &weigh)?;
+        let weights = &weigh(&image);
         let tail = Tail { taken, weights, seed: self.seed };
-        let (tail, sought) = tail.measure(strata, ROUNDS * mutations, self.part(2))?;
-        let (chained, spent) = self.chains(taken, strata, mutations, weights)?;
-        let easy = measured.energies[1] + measured.energies[2];
-        let hard = if chained.energy > 0.0 { chained.energy / (chained.energy + easy) } else { 0.0 };
-        Some((Findings { measured, tail, chained, hard }, sampled + sought + spent))
+        let (told, sought) = tail.measure(strata, ROUNDS * mutations, self.part(3))?;
+        let (hard, easy) = (image.iter().sum::<f64>() / pixels, measured.energies[1] + measured.energies[2]);
+        let (errors, work) = (measured.errors(weights), measured.work);
+        let hard = if hard > 0.0 { hard / (hard + easy) } else { 0.0 };
+        Some((Findings { errors, work, measures, told, hard }, sampled + spent + sought))
     }
 
     /// For the step of this number.
@@ -142,18 +140,19 @@ impl Pilot<'_> {
         PathTracer { view, light_sampler, max_edges, max_image_edges: max_edges, branches }
     }
 
-    /// Path tracing with each number of branches, and of lamps in view alone.
+    /// Path tracing with each number of branches; and of lamps in view alone, where chains may take all else.
     fn candidates(&self, view: View, findings: &Findings) -> Vec<Candidate> {
-        let &Findings { measured, tail, .. } = findings;
-        let [in_view, direct, long] = measured.errors;
-        let branch = (work_of(&self.tracer(view, 2), self.seed) - measured.work).max(0.0);
+        let &Findings { errors: [in_view, direct, long], work, ref measures, ref told, hard } = findings;
+        let branch = (work_of(&self.tracer(view, 2), self.seed) - work).max(0.0);
+        let of_round = 0.5 * self.per_pixel.max(1.0) * work * f64::from(self.view.camera.pixels());
+        let chains = product(measures, &told.starts, of_round, self.mutations_per_sample());
         let with = |branches: u32| Candidate {
             branches,
             max_edges: self.max_edges,
-            work: measured.work + f64::from(branches - 1) * branch,
+            work: work + f64::from(branches - 1) * branch,
             errors: [in_view + direct, long / f64::from(branches)],
-            tail: tail / f64::from(branches),
-            chains: product(&findings.chained.measures),
+            tail: told.tail,
+            chains,
         };
         let tracer = PathTracer { max_edges: 1, max_image_edges: 1, ..self.tracer(view, 1) };
         let lamps = || Candidate {
@@ -162,9 +161,10 @@ impl Pilot<'_> {
             work: work_of(&tracer, self.seed),
             errors: [in_view, 0.0],
             tail: f64::INFINITY,
-            chains: product(&findings.of_all_light()),
+            chains,
         };
-        BRANCHES.into_iter().map(with).chain((self.max_edges > 1).then(lamps)).collect()
+        let lamps_pay = self.max_edges > 1 && hard > MOSTLY_HARD;
+        BRANCHES.into_iter().map(with).chain(lamps_pay.then(lamps)).collect()
     }
 
     /// Shares of chains in a round.
@@ -173,11 +173,11 @@ impl Pilot<'_> {
             return Vec::new();
         }
         let work = decision.chain_work * f64::from(self.view.camera.pixels());
-        let per_sample = mutations_per_sample(self.view, engine::MUTATIONS_PER_SAMPLE);
-        match decision.candidate.max_edges < self.max_edges {
-            true => share_out(&findings.of_all_light(), work, per_sample),
-            false => share_out(&findings.chained.measures, work, per_sample),
-        }
+        share_out(&findings.measures, work, self.mutations_per_sample())
+    }
+
+    fn mutations_per_sample(&self) -> u64 {
+        mutations_per_sample(self.view, engine::MUTATIONS_PER_SAMPLE)
     }
 
     fn cut(&self) -> LightStrata {
@@ -198,25 +198,25 @@ impl Pilot<'_> {
         [w, h].map(|n| (n * scale).round().max(1.0) as u32)
     }
 
-    /// Findings of chains in their share.
+    /// Chains in their share, with errors weighed by the image that they find.
     fn chains(
         &self,
         taken: Taken,
         strata: &[LightStratum],
         mutations: u64,
-        weights: &[f64],
-    ) -> Option<(Chained, PilotCounts)> {
+        weigh: &dyn Fn(&[f64]) -> Vec<f64>,
+    ) -> Option<Chained> {
         let share = Share { mutations, samples: mutations.div_ceil(MUTATIONS_PER_SAMPLE) };
         let strata: Vec<_> = strata.iter().map(|&stratum| (stratum, share)).collect();
         let (mixture, pixels) = (Mixture::new(PathMutation::all(taken.view)), taken.view.camera.pixels());
+        let mut image = vec![0.0; pixels as usize];
         let Ok(chains) = Metropolis::new(&strata, &mixture, &taken, self.seed) else {
-            return Some((Chained { measures: Vec::new(), energy: 0.0 }, PilotCounts::default()));
+            return Some(Chained { image, ..Chained::default() });
         };
         let rounds = CHAIN_PILOT..CHAIN_PILOT + ROUNDS;
-        let found = chains.counting(rays_traced).partial();
-        let found = found.pilot(pixels, rounds, &|_: &[f64]| weights.to_vec(), self.part(3))?;
-        let energy = found.images.iter().flatten().map(|(_, value)| value).sum::<f64>() / f64::from(pixels);
+        let found = chains.counting(rays_traced).partial().pilot(pixels, rounds, weigh, self.part(2))?;
+        found.images.iter().flatten().for_each(|&(site, value)| image[site as usize] += value);
         let measures = found.measures.into_iter().map(|m| per_pixel(m, pixels, self.view.camera.pixels())).collect();
-        Some((Chained { measures, energy }, PilotCounts::of(&found.tally)))
+        Some(Chained { measures, image, spent: PilotCounts::of(&found.tally) })
     }
 }
