@@ -35,7 +35,7 @@ pub(super) const LEAST_CHAINS: f64 = 0.2;
 /// Work of a round over what was asked for, at least and at most: numbers of samples are powers of two. Section 3.
 pub(super) const WORK: [f64; 2] = [0.75, 1.25];
 /// Error × work of both together over that of path tracing alone, at most: it is chosen by noisy figures. Section 3.
-pub(super) const GAIN: f64 = 0.95;
+pub(super) const GAIN: f64 = 0.85;
 /// The same where most of path tracing's error is what chains tell: their absence may cost far more than their presence. Section 3.
 pub(super) const DOUBT: f64 = 3.0;
 /// Share of the light, lamps in view left out, from which on chains may take all of it; section 3.
