@@ -153,7 +153,8 @@ mod tests {
         (a - b) / a_error.hypot(b_error)
     }
 
-    /// In an image of one pixel where all is nearly grey, K is f/I, and R an integral that independent samples estimate as they do T.
+    /// In an image of one pixel where all is nearly grey, K is f/I, and R an integral that independent samples estimate as they do T, but for
+    /// the chain that is left out.
     #[test]
     fn chains_tell_what_independent_samples_tell() {
         let mut control = 0.0_f64;
@@ -192,7 +193,7 @@ mod tests {
             assert!(z(of_chains, tail).abs() < 4.0, "{of_chains:?} {tail:?}");
             control = control.max(z(of_chains, first).abs());
             let of_chains = moments(&told.iter().map(|told| told.starts[0]).collect::<Vec<_>>());
-            assert!((of_chains[0] / starts[0] - 1.0).abs() < 0.15, "{of_chains:?} {starts:?}");
+            assert!((of_chains[0] / starts[0] - 1.0).abs() < 0.25, "{of_chains:?} {starts:?}");
         }
         // The negative control: as if samples kept nothing of what chains share with them.
         assert!(control > 5.0, "{control}");
