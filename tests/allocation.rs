@@ -151,11 +151,12 @@ fn a_step_in_primary_sample_space_allocates_nothing() {
     let view = View { scene: &scene, camera: &camera };
     let part = Part { view, strata: &strata, index: 0, max_edges: 6, importance: &Luminance };
     let techniques = Techniques::new(part.max_edges);
-    steps_allocate_nothing(&part.all(|part| Multiplexed { part, techniques: &techniques })[0]);
-    steps_allocate_nothing(&part.all(|part| AllConnections { part })[0]);
+    steps_allocate_nothing(Multiplexed { part, techniques: &techniques });
+    steps_allocate_nothing(AllConnections { part });
 }
 
-fn steps_allocate_nothing<T: Tracer<N>, const N: usize>(stratum: &PrimaryStratum<T>) {
+fn steps_allocate_nothing<T: Tracer<N>, const N: usize>(tracer: T) {
+    let stratum = &PrimaryStratum { tracer, power: 1.0 };
     let mixture = Mixture::new(PrimaryMutation::both(0.3));
     let mut rng = generator(3, Purpose::Chain, 0, 0, 0);
     let mut start = None::<PrimaryPath<T::Output, N>>;

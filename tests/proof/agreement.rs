@@ -59,7 +59,7 @@ impl ImageSampler for BrightDirectLight<'_> {
         let pixels = f64::from(self.0.view.camera.pixels());
         self.0.sample_through(image, 1.0, rng, &mut |path, density| {
             let error = if path.edges() == 2 { 1.02 } else { 1.0 };
-            let end = PathEnd { kind: Kind::of(path), light: LightEnd::Drawn(path.light()) };
+            let end = PathEnd { kind: Kind::of(path), light: LightEnd::Drawn(path.light()), scale: 1.0 };
             for splat in path.splats() {
                 visit(Some(splat.site), DVec3::from_array(splat.value) * (density * error / pixels), end);
             }

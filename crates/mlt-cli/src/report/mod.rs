@@ -18,7 +18,7 @@ use crate::{
     provenance::CameraUsed,
 };
 
-pub use decision::{Decision, Part};
+pub use decision::Decision;
 pub use trust::Trust;
 
 /// JSON has no infinity and no NaN.

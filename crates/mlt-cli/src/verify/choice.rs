@@ -7,7 +7,7 @@ use std::{
 };
 
 use anyhow::{Context, anyhow};
-use mlt_core::transport::methods::auto::{TIME_OF_A_BIDIRECTIONAL_RAY, TIME_OF_A_CHAINS_RAY};
+use mlt_core::transport::methods::auto::TIME_OF_A_CHAINS_RAY;
 use mlt_scene::gallery::find;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -295,10 +295,8 @@ fn units(report: &Report) -> f64 {
 /// The chains' share of the work, and the planned one.
 fn shares(report: &Report) -> [f64; 2] {
     let decision = report.decision.as_ref();
-    let bidirectional = decision.is_some_and(|decision| decision.independent == Some("bdpt"));
     let chains = TIME_OF_A_CHAINS_RAY * report.chain_rays as f64;
-    let time_of_a_ray = if bidirectional { TIME_OF_A_BIDIRECTIONAL_RAY } else { 1.0 };
-    let samples = time_of_a_ray * (report.rays - report.chain_rays) as f64;
+    let samples = (report.rays - report.chain_rays) as f64;
     [chains / (chains + samples), decision.map_or(0.0, |decision| decision.chain_share)]
 }
 

@@ -101,7 +101,7 @@ where
             self.stats.mutations[mutation].accepted += 1;
         } else {
             if acceptance > 0.0 {
-                self.proposal.deposit(acceptance * scale, sink);
+                self.proposal.deposit(self.importance, acceptance * scale, sink);
             }
             self.stats.mutations[mutation].rejected += 1;
             self.stay(Some(mutation));
@@ -111,7 +111,7 @@ where
     /// Deposits what the current state is still due, times `scale`.
     pub fn flush(&mut self, sink: &mut impl Sink<P::Splat>, scale: f64) {
         if self.pending > 0.0 {
-            self.current.deposit(self.pending * scale, sink);
+            self.current.deposit(self.importance, self.pending * scale, sink);
         }
         self.pending = 0.0;
     }
@@ -182,9 +182,10 @@ where
 }
 
 impl<P: Path> State<P> {
-    /// Deposits it with a weight of `due` over its importance.
-    fn deposit(&self, due: f64, sink: &mut impl Sink<P::Splat>) {
-        let weight = due / self.importance;
+    /// Deposits it with a weight of `due` over what `importance` says.
+    #[inline]
+    fn deposit(&self, importance: &impl Importance<P>, due: f64, sink: &mut impl Sink<P::Splat>) {
+        let weight = due / importance.divisor(&self.path, self.importance);
         self.path.splats().for_each(|splat| sink.deposit(splat, weight));
     }
 }

@@ -58,6 +58,7 @@ pub use film::Film;
 pub use importance::Importance;
 pub use key::{Generator, Purpose, generator, mixed, uniform, uniform_f32};
 pub use merge::MergeError;
+pub(crate) use metropolis::CHAIN_LENGTH;
 pub use metropolis::Metropolis;
 pub use mixture::Mixture;
 pub use mutation::Mutation;

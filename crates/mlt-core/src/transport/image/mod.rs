@@ -8,4 +8,4 @@ mod weights;
 pub(crate) use blur::blurred;
 pub use error::{luminance_and_error, mean_luminance, relative_error};
 pub use importance::{PixelImportance, Target};
-pub(crate) use weights::{error_weights, weights_of_smooth};
+pub(crate) use weights::error_weights;

@@ -25,10 +25,10 @@ pub trait ImageSampler: Sync {
     fn sample(&self, film: Vec2, rng: &mut OwenSobol, visit: &mut impl FnMut(Option<u32>, DVec3, PathEnd));
 }
 
-/// A part of path space.
+/// A part of what paths contribute.
 pub trait Selection: Sync {
-    /// Whether a path that ends like this belongs to it.
-    fn contains(&self, end: &PathEnd) -> bool;
+    /// What belongs to it of a contribution that crosses the image at a pixel.
+    fn part(&self, value: DVec3, pixel: u32, end: &PathEnd) -> DVec3;
 }
 
 /// All paths.
@@ -37,8 +37,8 @@ pub struct AllPaths;
 
 impl Selection for AllPaths {
     #[inline]
-    fn contains(&self, _: &PathEnd) -> bool {
-        true
+    fn part(&self, value: DVec3, _: u32, _: &PathEnd) -> DVec3 {
+        value
     }
 }
 
@@ -109,10 +109,12 @@ impl<T: ImageSampler, S: Selection> Independent<'_, T, S> {
         for index in 0..samples {
             rng.go_to(index);
             let film = point_in_pixel(pixel, size, rng);
-            self.sampler.sample(film, rng, &mut |elsewhere, value, end| match elsewhere {
-                _ if !self.selection.contains(&end) => {}
-                Some(site) => deposits.deposit(Splat { site, value: value.to_array() }, weight),
-                None => here += value,
+            self.sampler.sample(film, rng, &mut |elsewhere, value, end| {
+                let value = self.selection.part(value, elsewhere.unwrap_or(pixel as u32), &end);
+                match elsewhere {
+                    Some(site) => deposits.deposit(Splat { site, value: value.to_array() }, weight),
+                    None => here += value,
+                }
             });
         }
         if here != DVec3::ZERO {

@@ -2,7 +2,6 @@
 
 use super::path::LightPath;
 use super::path_vertex::PathVertex;
-use crate::engine::{DecodeError, Reader, put};
 use crate::transport::geometry::Vertex;
 use crate::transport::scene::LightPoint;
 use std::fmt;
@@ -91,7 +90,7 @@ impl Kinds {
 
     /// Without one.
     #[must_use]
-    pub fn without(self, kind: Kind) -> Self {
+    pub const fn without(self, kind: Kind) -> Self {
         Self(self.0 & !(1 << kind.0))
     }
 
@@ -121,17 +120,6 @@ impl Kinds {
     /// Whether there is none.
     pub fn is_empty(self) -> bool {
         self.0 == 0
-    }
-
-    /// Appends them to bytes.
-    pub(crate) fn write(self, to: &mut Vec<u8>) {
-        put(to, self.0.into());
-    }
-
-    /// Reads what [`write`](Self::write) has written.
-    pub(crate) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
-        let kinds = u16::try_from(from.number()?).ok().map(Self);
-        kinds.filter(|kinds| kinds.is_within(Self::ALL)).ok_or(DecodeError::Damaged)
     }
 
     /// The kinds in it.
@@ -175,6 +163,9 @@ pub struct PathEnd<'a> {
     pub kind: Kind,
     /// x_0.
     pub light: LightEnd<'a>,
+    /// f/√(Σ_t p_t²) over the contribution, the densities p_t being those of all techniques with the roulette that they share: 1/√w_s, times
+    /// what a technique's own last roulette, and splitting, have made of it.
+    pub scale: f64,
 }
 
 /// How x_0 was found.

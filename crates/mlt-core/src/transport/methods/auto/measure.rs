@@ -1,145 +1,119 @@
-//! Measurement of each part of path space by independent samples of a small image.
+//! Measurement of path tracing on a small image.
 
-use super::constants::{ENOUGH_PIXELS, LONG};
-use super::parts::Parts;
+use super::split::{IN_VIEW, Rest, Split};
 use crate::engine::{PILOT, Purpose, Watch, generator};
-use crate::transport::methods::independent::{ImageSampler, point_in_pixel};
+use crate::transport::methods::independent::{ImageSampler, Selection, point_in_pixel};
+use crate::transport::methods::path_tracing::PathTracer;
 use crate::transport::methods::sobol::OwenSobol;
+use crate::transport::paths::Kind;
 use crate::transport::scene::rays_traced;
-use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
 
-/// Moments of an independent method in every pixel and part.
+/// Points of one sequence for which two sequences a pixel, whose spread is the noise, are enough; shorter ones are four.
+const LONG: u64 = 4;
+
+/// Classes of paths whose noise depends in different ways on how samples are taken: lamps in view, other paths of at most two edges, all
+/// others.
+pub(super) const CLASSES: usize = 3;
+
+/// Path tracing's share of the image, by classes.
+#[derive(Clone, Debug)]
 pub(super) struct Measured {
-    /// Number of parts.
-    parts: usize,
-    /// Sum over channels of the estimated image, pixel by pixel, part after part.
-    mean: Vec<f64>,
-    /// Variance of that, times the samples of a pixel.
-    variance: Vec<f64>,
-    /// The value that samples have reached in [`ENOUGH_PIXELS`] pixels, part by part.
-    pub(super) largest: Vec<f64>,
+    /// What each pixel shows, sum over channels.
+    pub(super) image: Vec<f64>,
+    /// Variance of one sample in each pixel.
+    variances: Vec<[f64; CLASSES]>,
+    /// Mean over pixels, sum over channels.
+    pub(super) energies: [f64; CLASSES],
     /// Samples taken of each pixel.
     pub(super) samples: f64,
     /// Rays of a sample.
     pub(super) work: f64,
 }
 
-/// One pixel's parts.
-struct Pixel {
-    /// Σ x and Σ x² over the sequences, part after part; x is a sequence's mean.
-    sums: Vec<[f64; 2]>,
-    /// Contributions that crossed the image at other pixels.
-    splats: Vec<Splat>,
-    /// Largest value, part after part.
-    largest: Vec<f64>,
-    rays: u64,
-}
-
-/// Contribution that crosses the image at another pixel than the one sampled.
-struct Splat {
-    /// The pixel, and the part.
-    at: (u32, usize),
-    value: f64,
-}
+/// One pixel: of each class the sums of x and of x² over the sequences, x being a sequence's mean; what crossed the image elsewhere; rays.
+type Pixel = ([[f64; 2]; CLASSES], Vec<(u32, f64)>, u64);
 
 impl Measured {
-    /// Takes some sequences of `samples` samples in every pixel: as many as a round is to take, since the noise of
-    /// well-stratified samples does not fall like that of others. Nothing if it is stopped.
-    pub(super) fn new<T: ImageSampler>(
-        sampler: &T,
-        parts: &Parts,
-        samples: u64,
-        seed: u64,
-        watch: Watch,
-    ) -> Option<Self> {
-        let [w, h] = sampler.size().map(u64::from);
+    /// Takes some sequences of `samples` samples in every pixel: as many as a round is to take, since the noise of well-stratified samples does
+    /// not fall like that of others. Nothing if it is stopped.
+    pub(super) fn new(sampler: &PathTracer, split: &Split, samples: u64, seed: u64, watch: Watch) -> Option<Self> {
+        let count = sampler.size().iter().product::<u32>();
         let sequences = if samples < LONG { 4 } else { 2 };
-        let pieces = watch.pieces((w * h) as usize);
-        let of_pixel = |pixel| pieces.unless_stopped(|| Pixel::new(sampler, parts, pixel, [sequences, samples], seed));
-        let pixels: Vec<_> = (0..w * h).into_par_iter().map(of_pixel).collect::<Option<_>>()?;
-        let (n, taken) = (sequences as f64, (samples * sequences) as f64);
-        let variance = |s: &[f64; 2]| (s[1] - s[0] * s[0] / n).max(0.0) / (n - 1.0) * samples as f64;
-        let sums = || pixels.iter().flat_map(|pixel| &pixel.sums);
-        let (mut mean, mut variance): (Vec<_>, Vec<_>) = sums().map(|s| (s[0] / n, variance(s))).unzip();
-        // A splat is one of many light subpaths' and hits its pixel rarely: Var ≈ E[v²].
-        for Splat { at: (pixel, part), value } in pixels.iter().flat_map(|pixel| &pixel.splats) {
-            let at = *pixel as usize * parts.len() + part;
-            mean[at] += value / taken;
-            variance[at] += value * value / taken;
-        }
-        let work = pixels.iter().map(|pixel| pixel.rays).sum::<u64>() as f64 / (taken * pixels.len() as f64);
-        let largest = |part: usize| {
-            let mut values: Vec<_> = pixels.iter().map(|pixel| pixel.largest[part]).collect();
-            values.sort_by(|a, b| b.total_cmp(a));
-            values[(ENOUGH_PIXELS - 1).min(values.len() - 1)]
+        let pieces = watch.pieces(count as usize);
+        let of_pixel =
+            |pixel| pieces.unless_stopped(|| of_pixel(sampler, &Rest(split), pixel, [sequences, samples], seed));
+        let pixels: Vec<Pixel> = (0..count).into_par_iter().map(of_pixel).collect::<Option<_>>()?;
+        let [n, samples] = [sequences, samples].map(|count| count as f64);
+        let work = pixels.iter().map(|(.., rays)| *rays).sum::<u64>() as f64 / (f64::from(count) * n * samples);
+        let empty = vec![0.0; count as usize];
+        let mut measured = Self {
+            variances: vec![[0.0; CLASSES]; empty.len()],
+            image: empty,
+            energies: [0.0; CLASSES],
+            samples: n * samples,
+            work,
         };
-        let largest = (0..parts.len()).map(largest).collect();
-        Some(Self { parts: parts.len(), mean, variance, largest, samples: taken, work })
+        for (pixel, (sums, elsewhere, _)) in pixels.iter().enumerate() {
+            for (class, [sum, squares]) in sums.iter().enumerate() {
+                let variance = (squares - sum * sum / n).max(0.0) / (n - 1.0);
+                measured.add(pixel, class, [sum / n, variance * samples]);
+            }
+            // Each is one of many points of the lights and hits its pixel rarely: Var ≈ E[v²].
+            for &(site, value) in elsewhere {
+                measured.add(site as usize, 0, [value, value * value].map(|x| x / (n * samples)));
+            }
+        }
+        Some(measured)
     }
 
-    /// Moments of an image with one part.
-    #[cfg(test)]
-    pub(super) fn of_image(mean: Vec<f64>, variance: Vec<f64>, samples: f64) -> Self {
-        Self { parts: 1, mean, variance, largest: vec![0.0], samples, work: 1.0 }
+    fn add(&mut self, pixel: usize, class: usize, [value, variance]: [f64; 2]) {
+        self.variances[pixel][class] += variance;
+        self.image[pixel] += value;
+        self.energies[class] += value / self.image.len() as f64;
     }
 
-    /// The image, sums over channels.
-    pub(super) fn image(&self) -> Vec<f64> {
-        self.mean.chunks(self.parts).map(|parts| parts.iter().sum()).collect()
-    }
-
-    /// Mean over pixels of a part's image, and its standard error.
-    pub(super) fn energy(&self, part: usize) -> [f64; 2] {
-        let pixels = (self.mean.len() / self.parts) as f64;
-        let mean = |values: &[f64]| values.iter().skip(part).step_by(self.parts).sum::<f64>() / pixels;
-        [mean(&self.mean), (mean(&self.variance) / (pixels * self.samples)).sqrt()]
-    }
-
-    /// A part's image at a pixel, and its variance.
-    pub(super) fn pixel(&self, part: usize, pixel: usize) -> (f64, f64) {
-        let at = pixel * self.parts + part;
-        (self.mean[at], self.variance[at] / self.samples)
-    }
-
-    /// Error of one sample a pixel in a part: mean over pixels of weight × variance.
-    pub(super) fn error(&self, part: usize, weights: &[f64]) -> f64 {
-        let of_part = self.variance.iter().skip(part).step_by(self.parts);
-        of_part.zip(weights).map(|(v, w)| v * w).sum::<f64>() / weights.len() as f64
-    }
-
-    /// The same of the whole image, if the parts' errors are independent.
-    pub(super) fn whole_error(&self, weights: &[f64]) -> f64 {
-        (0..self.parts).map(|part| self.error(part, weights)).sum()
+    /// Error that one sample a pixel leaves: mean over pixels of weight × variance.
+    pub(super) fn errors(&self, weights: &[f64]) -> [f64; CLASSES] {
+        let mut errors = [0.0; CLASSES];
+        for (variances, weight) in self.variances.iter().zip(weights) {
+            errors.iter_mut().zip(variances).for_each(|(error, variance)| *error += weight * variance);
+        }
+        errors.map(|error| error / weights.len() as f64)
     }
 }
 
-impl Pixel {
-    fn new<T: ImageSampler>(sampler: &T, parts: &Parts, pixel: u64, [sequences, samples]: [u64; 2], seed: u64) -> Self {
-        let before = rays_traced();
-        let (mut sums, mut splats) = (vec![[0.0; 2]; parts.len()], Vec::new());
-        let mut largest = vec![0.0; parts.len()];
-        for sequence in 0..sequences {
-            let key = generator(seed, Purpose::Image, PILOT + sequence, 0, pixel).next_u64();
-            let mut here = vec![0.0; parts.len()];
-            let rng = &mut OwenSobol::new(key);
-            for index in 0..samples {
-                rng.go_to(index);
-                let film = point_in_pixel(pixel, sampler.size(), rng);
-                sampler.sample(film, rng, &mut |elsewhere, value: DVec3, end| {
-                    let (part, value) = (parts.index(&end), value.element_sum());
-                    largest[part] = f64::max(largest[part], value);
-                    match elsewhere {
-                        None => here[part] += value / samples as f64,
-                        Some(pixel) => splats.push(Splat { at: (pixel, part), value }),
-                    }
-                });
-            }
-            sums.iter_mut().zip(here).for_each(|(sum, x)| *sum = [sum[0] + x, sum[1] + x * x]);
-        }
-        Self { sums, splats, largest, rays: rays_traced() - before }
+/// The class of a kind of paths.
+fn class(kind: Kind) -> usize {
+    match kind {
+        _ if IN_VIEW.contains(kind) => 0,
+        _ if kind == Kind::new(2, false) => 1,
+        _ => 2,
     }
+}
+
+fn of_pixel(sampler: &PathTracer, rest: &Rest, pixel: u32, [sequences, samples]: [u64; 2], seed: u64) -> Pixel {
+    let before = rays_traced();
+    let (mut sums, mut elsewhere) = ([[0.0; 2]; CLASSES], Vec::new());
+    for sequence in 0..sequences {
+        let mut here = [0.0; CLASSES];
+        let key = generator(seed, Purpose::Image, PILOT + sequence, 0, pixel.into()).next_u64();
+        let rng = &mut OwenSobol::new(key);
+        for index in 0..samples {
+            rng.go_to(index);
+            let film = point_in_pixel(pixel.into(), sampler.size(), rng);
+            sampler.sample(film, rng, &mut |site, value, end| {
+                let value = rest.part(value, pixel, &end).element_sum();
+                match site {
+                    None => here[class(end.kind)] += value / samples as f64,
+                    Some(site) => elsewhere.push((site, value)),
+                }
+            });
+        }
+        sums.iter_mut().zip(here).for_each(|(sum, x)| *sum = [sum[0] + x, sum[1] + x * x]);
+    }
+    (sums, elsewhere, rays_traced() - before)
 }
 
 /// Rays of a sample, from one in every pixel.

@@ -66,16 +66,16 @@ impl Bidirectional<'_> {
             let end = scratch.eye.vertices.len();
             for t in 1..=scratch.eye.len() {
                 self.start_near(scratch, t);
-                if let Some(value) = self.hit(&scratch.eye, t) {
+                if let Some((value, scale)) = self.hit(&scratch.eye, t) {
                     let (x_0, between) =
                         (&scratch.eye.vertices[end - t].vertex, &scratch.eye.vertices[end - t + 1..end - 1]);
-                    visit(None, value, PathEnd { kind: Kind::between(between), light: LightEnd::Met(x_0) });
+                    visit(None, value, PathEnd { kind: Kind::between(between), light: LightEnd::Met(x_0), scale });
                 }
                 for s in 1..=(self.max_edges + 1 - t).min(scratch.light.subpath.len()) {
-                    if let Some((pixel, value)) = self.connection(scratch, s, t) {
+                    if let Some((pixel, value, scale)) = self.connection(scratch, s, t) {
                         let from_light = self.beginning(s, &scratch.light, &scratch.near);
                         let kind = Kind::new(s + t - 1, s > 1 && from_light.subpath.vertices[1].vertex.delta);
-                        visit(pixel, value, PathEnd { kind, light: LightEnd::Drawn(&from_light.point) });
+                        visit(pixel, value, PathEnd { kind, light: LightEnd::Drawn(&from_light.point), scale });
                     }
                 }
             }
@@ -83,7 +83,7 @@ impl Bidirectional<'_> {
     }
 
     /// s = 0: the camera subpath meets a light with its last vertex.
-    fn hit(&self, eye: &Subpath, t: usize) -> Option<DVec3> {
+    fn hit(&self, eye: &Subpath, t: usize) -> Option<(DVec3, f64)> {
         let vertices = &eye.vertices[eye.vertices.len() - t..];
         let x = &vertices[0];
         if t < 2 || !x.vertex.emits {
@@ -98,11 +98,11 @@ impl Bidirectional<'_> {
         let preference = self.region.preference(self.view.scene, [&x.vertex, &vertices[1].vertex], &point);
         let Carried { throughput, others, .. } = eye.carried(t);
         let weight = 1.0 / (1.0 + later_techniques(vertices, (forward, pdf_to_eye), others, preference));
-        Some(throughput * value.as_dvec3() * weight)
+        Some((throughput * value.as_dvec3() * weight, 1.0 / weight.sqrt()))
     }
 
     /// s ≥ 1 and t ≥ 1: an edge between the subpaths. With t = 1 it crosses the image at a pixel of its own.
-    fn connection(&self, scratch: &Scratch, s: usize, t: usize) -> Option<(Option<u32>, DVec3)> {
+    fn connection(&self, scratch: &Scratch, s: usize, t: usize) -> Option<(Option<u32>, DVec3, f64)> {
         let (eye, from_eye) = (&scratch.eye.vertices[scratch.eye.vertices.len() - t..], scratch.eye.carried(t));
         let y = &eye[0];
         if y.vertex.delta {
@@ -135,11 +135,13 @@ impl Bidirectional<'_> {
         let back = (per_area(at_y.pdf_to_light, 0), at_x.pdf_to_light);
         let others = earlier_techniques(light, ends, back, from_light.others)
             + later_techniques(eye, (forward, at_y.pdf_to_eye), from_eye.others, 1.0);
+        // One over the technique's weight.
+        let all = 1.0 + others / square(ends.preference(s));
         let value = from_light.throughput
             * from_eye.throughput
             * self.attenuated(at_x.value * at_y.value, light, y).as_dvec3()
-            * (edge.geometric_term() / (1.0 + others / square(ends.preference(s))));
-        Some((pixel, value))
+            * (edge.geometric_term() / all);
+        Some((pixel, value, all.sqrt()))
     }
 
     /// A product of scattering at both ends of an edge, weakened on it and on the light subpath's last edge.

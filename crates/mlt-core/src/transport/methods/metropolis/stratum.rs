@@ -65,22 +65,11 @@ impl<'a> LightStratum<'a> {
         classes.all(max_edges, view.scene.needs().specular && parts == 1)
     }
 
-    /// The paths of some kinds in each of the lights' parts, where there are any kinds.
-    pub(crate) fn of_kinds(strata: &'a LightStrata, kinds: &[Kinds], view: View<'a>, max_edges: usize) -> Vec<Self> {
-        let lit = kinds.iter().enumerate().filter(|(_, kinds)| !kinds.is_empty());
-        lit.map(|(index, &kinds)| Self::of_part(strata, index, kinds, view, max_edges)).collect()
-    }
-
-    /// The paths of some kinds in one of the lights' parts.
-    pub(crate) fn of_part(
-        strata: &'a LightStrata,
-        index: usize,
-        kinds: Kinds,
-        view: View<'a>,
-        max_edges: usize,
-    ) -> Self {
-        let part = (Held::Part(index as u32), &strata.regions()[index]);
-        Self::new(strata, part, PathClass::of_kinds(kinds), view, max_edges)
+    /// The paths of some kinds in each of the lights' parts.
+    pub(crate) fn of_kinds(strata: &'a LightStrata, kinds: Kinds, view: View<'a>, max_edges: usize) -> Vec<Self> {
+        let part = |(index, region)| (Held::Part(index as u32), region);
+        let of_part = |part| Self::new(strata, part, PathClass::of_kinds(kinds), view, max_edges);
+        strata.regions().iter().enumerate().map(part).map(of_part).collect()
     }
 
     fn new(

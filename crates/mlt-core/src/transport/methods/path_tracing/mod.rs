@@ -11,6 +11,7 @@ use crate::transport::lights::LightRegion;
 use crate::transport::scene::View;
 
 pub use tracer::PathTracer;
+pub(super) use tracer::survival;
 
 /// Path tracing, as often in every pixel.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use crate::transport::geometry::Vertex;
 use crate::transport::lights::{LightSampler, Receiver};
 use crate::transport::methods::independent::ImageSampler;
 use crate::transport::methods::sobol::OwenSobol;
-use crate::transport::paths::{Edge, Kind, LightEnd, PathEnd};
+use crate::transport::paths::{Edge, Kind, LightEnd, LightPath, PathEnd};
 use crate::transport::scene::{LightPoint, Resolved, Sampled, Surface, View};
 use glam::{DVec3, Vec2, Vec3A};
 use rand_pcg::rand_core::Rng;
@@ -48,6 +48,8 @@ struct Walk {
     edges: usize,
     /// Whether it came here by specular surfaces alone.
     straight: bool,
+    /// Probability with which roulette let the last step be made.
+    survival: f32,
 }
 
 impl ImageSampler for PathTracer<'_> {
@@ -76,7 +78,7 @@ impl PathTracer<'_> {
         let drawn = camera.has_tiny_lights() && !vertex.is_met_by_one_ray(&lens);
         let pdf = drawn.then(|| camera.pdf(direction) * passed / vertex.distance_squared(&lens));
         let throughput = scene.attenuated(Rgb::ONE, &vertex, &lens);
-        let walk = Walk { vertex, to_eye: -direction, throughput, edges: 1, straight: true };
+        let walk = Walk { vertex, to_eye: -direction, throughput, edges: 1, straight: true, survival: 1.0 };
         self.show_emitted(&walk, &camera.vertex(), pdf, visit);
         if self.branches == 1 {
             self.go_on(walk, rng, visit);
@@ -108,7 +110,7 @@ impl PathTracer<'_> {
         let surface = self.view.scene.surface(&walk.vertex, &mut room);
         self.show_direct(&walk, surface, rng, visit);
         let share = 1.0 / f64::from(self.branches);
-        let mut visit = |radiance, end: PathEnd| visit(radiance * share, end);
+        let mut visit = |radiance, end: PathEnd| visit(radiance * share, PathEnd { scale: end.scale / share, ..end });
         for i in 0..self.branches {
             let (mut walk, rng) = (walk.clone(), rng.branch(i, self.branches));
             let Some(sampled) = surface.sample_to_light(walk.to_eye, rng) else { continue };
@@ -135,8 +137,16 @@ impl PathTracer<'_> {
                 Walk { straight: true, .. } => Kind::IMAGE,
                 _ => Kind::new(walk.edges, pdf.is_none()),
             };
-            let radiance = walk.throughput * self.emitted([*from, walk.vertex], walk.to_eye, pdf);
-            visit(radiance.as_dvec3(), PathEnd { kind, light: LightEnd::Met(&walk.vertex) });
+            let (emitted, weight) = self.emitted([*from, walk.vertex], walk.to_eye, pdf);
+            let radiance = walk.throughput * (emitted * weight);
+            visit(
+                radiance.as_dvec3(),
+                PathEnd {
+                    kind,
+                    light: LightEnd::Met(&walk.vertex),
+                    scale: f64::from(walk.survival) / f64::from(weight).sqrt(),
+                },
+            );
         }
     }
 
@@ -145,16 +155,17 @@ impl PathTracer<'_> {
     fn show_direct(&self, walk: &Walk, surface: Surface, rng: &mut OwenSobol, visit: &mut impl FnMut(DVec3, PathEnd)) {
         if walk.edges < self.max_edges
             && !(walk.vertex.delta | walk.vertex.is_distant())
-            && let Some((direct, point)) = self.direct(walk, surface, rng)
+            && let Some((direct, weight, point)) = self.direct(walk, surface, rng)
         {
             let kind = Kind::new(walk.edges + 1, false);
-            visit((walk.throughput * direct).as_dvec3(), PathEnd { kind, light: LightEnd::Drawn(&point) });
+            let end = PathEnd { kind, light: LightEnd::Drawn(&point), scale: 1.0 / f64::from(weight).sqrt() };
+            visit((walk.throughput * direct).as_dvec3(), end);
         }
     }
 
-    /// Emission met by a step to x, weighed against having drawn that point on the light. Takes vertices by value: references would keep
+    /// Emission met by a step to x, and its weight against having drawn that point on the light. Takes vertices by value: references would keep
     /// them out of registers.
-    fn emitted(&self, [from, x]: [Vertex; 2], to_eye: Vec3A, pdf: Option<f32>) -> Rgb {
+    fn emitted(&self, [from, x]: [Vertex; 2], to_eye: Vec3A, pdf: Option<f32>) -> (Rgb, f32) {
         let scene = self.view.scene;
         let emitted = scene.emitted(&x, to_eye);
         let lights = scene.lights();
@@ -166,14 +177,14 @@ impl PathTracer<'_> {
             let relative = scene.relative_exitance(&lights.lights[number.0 as usize], &x, emitted);
             let receiver = Receiver { scene, vertex: from, towards: -to_eye };
             let drawn = self.light_sampler.density(&receiver, number, &point) * relative;
-            return emitted * power_heuristic(pdf * cos, drawn as f32);
+            return (emitted, power_heuristic(pdf * cos, drawn as f32));
         }
-        emitted
+        (emitted, 1.0)
     }
 
-    /// Light that arrives from a point drawn on the lights, weighed against meeting that point by scattering; and the point.
+    /// Light that arrives from a point drawn on the lights, weighed against meeting that point by scattering; that weight, and the point.
     #[inline(always)]
-    fn direct(&self, walk: &Walk, surface: Surface, rng: &mut impl Rng) -> Option<(Rgb, LightPoint)> {
+    fn direct(&self, walk: &Walk, surface: Surface, rng: &mut impl Rng) -> Option<(Rgb, f32, LightPoint)> {
         let scene = self.view.scene;
         let receiver = Receiver { scene, vertex: walk.vertex, towards: walk.to_eye };
         let (point, density) = self.light_sampler.sample(&receiver, [uniform(rng), f64::from(uniform_f32(rng))]);
@@ -190,8 +201,9 @@ impl PathTracer<'_> {
         let cos = leaving * edge.inverse_square * passed;
         let geometric = arriving * cos;
         let met = if source.can_be_met() { found.pdf_to_light * cos } else { 0.0 };
-        let weight = geometric / density * power_heuristic(density, met);
-        Some((scene.attenuated(emitted * found.value * weight, &source, &walk.vertex), point))
+        let weight = power_heuristic(density, met);
+        let arriving = emitted * found.value * (geometric / density * weight);
+        Some((scene.attenuated(arriving, &source, &walk.vertex), weight, point))
     }
 
     /// Draws a point on the lights for the camera, and shows it with the pixel where it crosses the image, weighed against the
@@ -220,7 +232,8 @@ impl PathTracer<'_> {
         let weight = power_heuristic(density as f32, camera.pdf(direction) * there);
         let emitted = scene.attenuated(emitted, &source, &eye);
         let value = emitted.as_dvec3() * (f64::from(camera.w_e(direction) * cos * there * weight) / density);
-        visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point) });
+        let scale = 1.0 / f64::from(weight).sqrt();
+        visit(Some(pixel), value, PathEnd { kind: Kind::new(1, false), light: LightEnd::Drawn(&point), scale });
         Some(())
     }
 
@@ -236,9 +249,10 @@ impl PathTracer<'_> {
         let scene = self.view.scene;
         let Sampled { to_light: direction, weight, pdf } = sampled;
         walk.throughput *= weight;
+        let mut survival = 1.0;
         if walk.edges >= CERTAIN_BOUNCES {
             // The root makes paths longer than their throughput alone: less noise for the time (docs/log/performance.md).
-            let survival = walk.throughput.max_element().sqrt().clamp(SURVIVAL.0, SURVIVAL.1);
+            survival = survival_of(walk.throughput.max_element());
             if uniform_f32(rng) >= survival {
                 return None;
             }
@@ -253,10 +267,34 @@ impl PathTracer<'_> {
             throughput: scene.attenuated(walk.throughput, &vertex, &from),
             edges: walk.edges + 1,
             straight: walk.straight & from.delta,
+            survival,
         };
         self.show_emitted(walk, &from, pdf, visit);
         Some(())
     }
+}
+
+#[inline(always)]
+fn survival_of(throughput: f32) -> f32 {
+    throughput.sqrt().clamp(SURVIVAL.0, SURVIVAL.1)
+}
+
+/// Probability with which roulette lets a walk come to x_1 of a path.
+pub(crate) fn survival(path: &LightPath, view: &View) -> f64 {
+    let x = path.vertices();
+    let last = path.edges();
+    let (mut throughput, mut all) =
+        (view.scene.attenuated(Rgb::ONE, &x[last - 1].vertex, &x[last].vertex).as_dvec3(), 1.0);
+    for i in (2..last).rev() {
+        let passed = view.scene.attenuated(Rgb::ONE, &x[i - 1].vertex, &x[i].vertex).as_dvec3();
+        throughput *= x[i].scatter.as_dvec3() * (x[i - 1].geometric_term / x[i - 1].reverse);
+        if last - i >= CERTAIN_BOUNCES {
+            let survival = f64::from(survival_of((throughput / passed).max_element() as f32));
+            throughput /= survival;
+            all *= survival;
+        }
+    }
+    all
 }
 
 /// p² / (p² + q²).
