@@ -118,7 +118,7 @@ fn short_renders_have_no_bias_whatever_is_decided() {
     let of_seed = |seed: u64| {
         let settings = auto(Count(2), 4.0).with(|s| s.seed = seed);
         let renderer = Renderer::new(View { scene: &world.scene, camera: &camera }, settings.clone());
-        let decided = renderer.decision().expect("decided");
+        let decided = *renderer.decision().expect("decided");
         (replicas(&world, SIZE, &settings, 0..1).images.remove(0), decided)
     };
     let (images, decisions): (Vec<_>, Vec<_>) = (0..1500).into_par_iter().map(of_seed).unzip();

@@ -49,7 +49,7 @@ pub(crate) fn curves(lines: &[Line], x_name: &str, y_name: &str, floor: Option<(
     let levels = points().flat_map(|point| point.levels).chain(floor.map(|floor| floor.0));
     let y = LogScale::new(levels, HEIGHT - BOTTOM, TOP);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{} over {}\">\n",
+        "<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{} over {}\">\n",
         escaped(y_name),
         escaped(x_name)
     );

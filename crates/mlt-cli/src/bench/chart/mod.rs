@@ -19,9 +19,10 @@ pub(super) fn class(method: usize) -> &'static str {
 /// The colours and lines of charts, light and dark.
 const STYLE: &str = include_str!("../../../templates/chart.css");
 
-/// A chart as a file, with its style.
+/// A chart as a file, with its style, and the namespace that a page needs not be told.
 pub(super) fn file(chart: &str) -> String {
     let (head, content) = chart.split_once('\n').unwrap_or((chart, ""));
+    let head = head.replacen("<svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"", 1);
     format!("{head}\n<style>\n{STYLE}svg {{ background: var(--page); }}\n</style>\n{content}\n")
 }
 

@@ -23,7 +23,7 @@ pub(crate) fn strata(strata: &[(f64, f64, f64)], method: usize) -> Option<String
     let largest = strata.iter().map(|stratum| ((stratum.0 + stratum.1) / b).max(stratum.2 / n)).fold(0.0, f64::max);
     let scale = Scale { largest, b, n, step: (WIDTH - LEFT - 8.0) / strata.len() as f64 };
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart strata\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"shares of {} strata\">\n{}",
+        "<svg class=\"chart strata\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"shares of {} strata\">\n{}",
         strata.len(),
         scale.grid()
     );

@@ -106,7 +106,7 @@ mod tests {
     use crate::transport::tests::worlds::{World, worlds};
     use glam::Vec2;
 
-    const SAMPLES: u64 = 8_000;
+    const SAMPLES: u64 = 16_000;
 
     /// Mean and standard error over samples.
     fn moments(sample: impl Fn(u64) -> f64) -> [f64; 2] {
@@ -178,7 +178,7 @@ mod tests {
         }
         let all = (worlds.len() as f64).sqrt();
         assert!(
-            (right / all).abs() < 4.0 && by_power > 4.0 && certain / all > 4.0,
+            (right / all).abs() < 4.0 && by_power > 5.0 && certain / all > 5.0,
             "{right} {by_power} {certain}, {all}"
         );
     }
