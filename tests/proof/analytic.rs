@@ -24,9 +24,10 @@ pub(crate) fn check(name: &str, world: &World, truth: &Known, budget: [f64; 2]) 
         let found = replicas(world, SIZE, &settings(method, Whole, budget[0]), 0..16);
         compare(format!("{method:?}"), found, 0.01);
     }
-    // A multiplexed sample is one technique of one length, so its b̂ has the widest spread.
+    // A multiplexed sample is one technique of one length, so its b̂ has the widest spread; and where few rounds light a pixel, their mean is
+    // not normal.
     for (method, factor, error) in [(Method::PrimaryBidirectional, 8.0, 0.05), (Method::Multiplexed, 32.0, 0.2)] {
-        let found = replicas(world, SIZE, &settings(method, Grid(2, 2), factor * budget[0]), 0..16);
+        let found = replicas(world, SIZE, &settings(method, Grid(2, 2), factor * budget[0]), 0..32);
         compare(format!("{method:?}"), found, error);
     }
     // The more strata, the more b̂_j share the noise.
