@@ -106,7 +106,7 @@ mod tests {
     use crate::transport::tests::worlds::{World, worlds};
     use glam::Vec2;
 
-    const SAMPLES: u64 = 16_000;
+    const SAMPLES: u64 = 32_000;
 
     /// Mean and standard error over samples.
     fn moments(sample: impl Fn(u64) -> f64) -> [f64; 2] {
