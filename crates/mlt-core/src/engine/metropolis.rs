@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// Longest chain, in mutations. A longer share of a round is run as several chains, each with a start of its own from the same
 /// batch of independent samples: a state that a chain cannot leave costs no more than this.
-pub(crate) const CHAIN_LENGTH: u64 = 1 << 9;
+pub const CHAIN_LENGTH: u64 = 1 << 9;
 
 /// Independent samples made by one parallel step.
 const BOOTSTRAP_BLOCK: u64 = 256;
