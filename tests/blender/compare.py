@@ -51,7 +51,7 @@ def made_by_blender(case, folder):
 def made_by_mlt(program, case, folder, options):
     """Renders a scene by `mlt`; returns the image."""
     scene, image = folder / f"{case.name}.glb", folder / f"{case.name}.mlt.exr"
-    command = [program, "render", scene, "--size", "96x96", "--samples-per-pixel", "1024", "-q", "--force", "-o", image, *options]
+    command = [program, "render", scene, "--size", "96x96", "--samples-per-pixel", "2048", "-q", "--force", "-o", image, *options]
     subprocess.run(command, check=True, stderr=subprocess.PIPE, text=True)
     return image
 
