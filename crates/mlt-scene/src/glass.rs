@@ -29,7 +29,7 @@ pub(crate) fn settle(scene: &mut SceneDescription, glass: Glass, warnings: &mut 
     let SceneDescription { meshes, prototypes, materials, .. } = scene;
     for mesh in meshes.iter_mut().chain(prototypes.iter_mut().flat_map(|prototype| &mut prototype.meshes)) {
         let thin = mesh.material;
-        let passes_light = materials[thin as usize].bsdf.is_transmissive();
+        let passes_light = materials[thin as usize].transmits();
         if !passes_light || (glass == Glass::Auto && !is_closed(mesh)) {
             continue;
         }
@@ -78,7 +78,9 @@ fn is_closed(mesh: &Mesh) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Affine2;
     use mlt_core::transport::bsdf::{Bsdf, MetallicRoughness};
+    use mlt_core::transport::scene::{Alpha, ChannelMap, Map, Maps};
 
     /// A tetrahedron; its last triangle turned round or left out.
     fn tetrahedron(last: Option<[u32; 3]>) -> Mesh {
@@ -89,7 +91,10 @@ mod tests {
 
     fn settled(mesh: Mesh, roughness: f32, glass: Glass) -> (Bsdf, usize) {
         let wall = MetallicRoughness { metallic: 0.0, transmission: 1.0, roughness, ..MetallicRoughness::default() };
-        let material = Material { bsdf: wall.bsdf(), ..Material::default() };
+        settled_of(mesh, Material { bsdf: wall.bsdf(), ..Material::default() }, glass)
+    }
+
+    fn settled_of(mesh: Mesh, material: Material, glass: Glass) -> (Bsdf, usize) {
         let mut scene =
             SceneDescription { meshes: vec![mesh], materials: vec![material], ..SceneDescription::default() };
         let mut warnings = Vec::new();
@@ -109,5 +114,17 @@ mod tests {
         assert!(matches!(settled(tetrahedron(None), 0.0, Glass::Auto), (Bsdf::Thin(_), 0)));
         assert!(matches!(settled(closed(), 0.0, Glass::Thin), (Bsdf::Thin(_), 0)));
         assert!(matches!(settled(tetrahedron(None), 0.0, Glass::Solid), (Bsdf::Dielectric(_), 0)));
+    }
+
+    /// Glass that a texture makes of metal is glass; metal is not.
+    #[test]
+    fn closed_meshes_are_solid_where_a_texture_makes_glass_of_them() {
+        let map = ChannelMap { map: Map { texture: 0, set: 0, transform: Affine2::IDENTITY }, channel: 2 };
+        let told = |metallic| {
+            let factors = MetallicRoughness { transmission: 1.0, ..MetallicRoughness::default() };
+            let material = Material::default().scattering(factors, Maps { metallic, ..Maps::default() }, Alpha::Opaque);
+            settled_of(tetrahedron(Some([1, 2, 3])), material, Glass::Auto).1
+        };
+        assert_eq!([told(Some(map)), told(None)], [1, 0]);
     }
 }

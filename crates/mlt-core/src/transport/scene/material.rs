@@ -81,6 +81,11 @@ impl Material {
         Self { bsdf: textured.representative(), textured: Some(Box::new(textured)), ..self }
     }
 
+    /// Whether it scatters light through the surface, here or there.
+    pub fn transmits(&self) -> bool {
+        self.bsdf.is_transmissive() || self.textured.as_deref().is_some_and(Textured::may_transmit)
+    }
+
     /// Whether it has a narrow lobe, here or there.
     pub(crate) fn may_be_narrow(&self) -> bool {
         let varies =

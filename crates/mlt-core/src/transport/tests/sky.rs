@@ -1,7 +1,8 @@
 //! Light from afar, environments and suns: its distribution, and closed forms.
 
 use super::worlds::{
-    Builder, World, ball, beams, brushed, cloudy, glass, glossy, lambert, lamps_and_sky, mirror, outdoors, quad, suns,
+    Builder, World, ball, beams, brushed, cloudy, glass, glossy, lambert, lamps_and_sky, mirror, outdoors, quad,
+    spotted_pane, suns,
 };
 use crate::check::{self, Trials};
 use crate::engine::{Generator, Purpose, generator, uniform, uniform_f32};
@@ -315,6 +316,7 @@ fn methods_agree_under_a_sky() {
         ("lamps", lamps_and_sky()),
         ("suns", suns(glossy())),
         ("frosted", suns(glass(0.5))),
+        ("spotted pane", spotted_pane()),
         ("beams", beams()),
         ("brushed", brushed()),
     ] {

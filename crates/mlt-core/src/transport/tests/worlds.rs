@@ -300,6 +300,22 @@ pub(crate) fn suns(bsdf: Bsdf) -> World {
         .seen(v(0.3, 0.9, 3.6), v(0.0, 0.6, 0.0), 42.0, [16, 16])
 }
 
+/// A pane between two suns, which a texture makes metal or frosted glass. It is metal where no texture changes a factor.
+pub(crate) fn spotted_pane() -> World {
+    let v = DVec3::new;
+    let factors = MetallicRoughness { roughness: 0.7, transmission: 1.0, thin: true, ..MetallicRoughness::default() };
+    let spots = Maps { metallic: Some(ChannelMap { map: map(0), channel: 0 }), ..Maps::default() };
+    let pane = varying(factors, spots, Alpha::Opaque);
+    assert!(!pane.bsdf.is_transmissive());
+    let sun = |z: f32| Punctual::Directional { along: Vec3::new(-0.3, -0.6, z).normalize(), angle: 0.4 };
+    Builder::default()
+        .mesh(textured_quad([v(-1., -1., 0.), v(1., -1., 0.), v(1., 1., 0.), v(-1., 1., 0.)]), pane)
+        .lit_by([(Rgb::new(1.0, 0.8, 0.5), sun(1.0)), (Rgb::new(0.5, 0.6, 1.0), sun(-1.0))])
+        .with_textures(vec![texture(3, Encoding::Linear)])
+        .under(Environment::constant(Rgb::splat(0.2)))
+        .seen(v(0.2, 0.1, 3.0), DVec3::ZERO, 34.0, [16, 16])
+}
+
 /// The box seen through a lens that blurs its light and most of its balls.
 pub(crate) fn blurred() -> World {
     let lens = Lens::Thin { vertical_fov: 38f32.to_radians(), radius: 0.3, focus: 2.6 };

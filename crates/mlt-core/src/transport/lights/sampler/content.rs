@@ -1,4 +1,4 @@
-//! What the nodes of a [`Tree`](super::tree::Tree) hold, and how they are built from it.
+//! The content of the nodes of a [`Tree`](super::tree::Tree), and how they are built from it.
 
 use super::node::{Node, WIDTH, quarters};
 use crate::transport::scene::Piece;

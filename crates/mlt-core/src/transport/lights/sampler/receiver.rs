@@ -28,7 +28,7 @@ impl<'a> Receiver<'a> {
     #[inline]
     pub(super) fn lit_side(&self) -> (Vec3A, bool) {
         let Self { scene, vertex, towards } = self;
-        let both = vertex.is_camera() || scene.material(vertex).bsdf.is_transmissive();
+        let both = vertex.is_camera() || scene.material(vertex).transmits();
         let normal = vertex.shading_normal;
         (if normal.dot(*towards) < 0.0 { -normal } else { normal }, both)
     }

@@ -172,7 +172,12 @@ impl Textured {
         wall.then(|| Self::new(MetallicRoughness { thin: false, ..self.factors.clone() }, self.maps, self.alpha))
     }
 
-    /// The BSDF where no texture changes a factor: it is delta, or lets light pass, where those at all points do.
+    /// Whether the BSDF at some point may let light pass.
+    pub(crate) fn may_transmit(&self) -> bool {
+        self.factors.transmission > 0.0
+    }
+
+    /// The BSDF where no texture changes a factor: it is delta where those at all points are.
     pub fn representative(&self) -> Bsdf {
         self.varying.bsdf(&self.factors, Directions::default())
     }

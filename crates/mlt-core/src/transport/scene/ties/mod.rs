@@ -47,7 +47,7 @@ impl Surfaces<'_> {
     fn class(&self, primitive: u32, towards: Vec3A) -> u8 {
         let p = &self.primitives[primitive as usize];
         let material = &self.materials[p.material as usize];
-        match (p.emits, material.bsdf.is_transmissive() || material.is_veil()) {
+        match (p.emits, material.transmits() || material.is_veil()) {
             (true, _) if material.emits_both_sides || Vec3A::from(p.normal).dot(towards) > 0.0 => 3,
             (_, true) => 0,
             (true, false) => 1,
