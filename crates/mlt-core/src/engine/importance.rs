@@ -5,7 +5,7 @@ pub trait Importance<P> {
     /// I(x), in the measure that the strata's densities refer to.
     fn eval(&self, path: &P) -> f64;
 
-    /// What a deposit of x is divided by, `eval` being I(x). It is larger where others estimate a part of f(x): chains then estimate the
+    /// The divisor of a deposit of x, `eval` being I(x). It is larger where others estimate a part of f(x): chains then estimate the
     /// share I(x)/`divisor` of it.
     #[inline]
     fn divisor(&self, _path: &P, eval: f64) -> f64 {

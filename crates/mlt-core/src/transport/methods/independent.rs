@@ -27,7 +27,7 @@ pub trait ImageSampler: Sync {
 
 /// A part of what paths contribute.
 pub trait Selection: Sync {
-    /// What belongs to it of a contribution that crosses the image at a pixel.
+    /// The part of a contribution that belongs to it, of a path that crosses the image at a pixel.
     fn part(&self, value: DVec3, pixel: u32, end: &PathEnd) -> DVec3;
 }
 

@@ -1,4 +1,4 @@
-//! What chains leave of error in their share of the image, and their shares of a round.
+//! The error that chains leave in their share of the image, and their shares of a round.
 
 use super::constants::{MUTATIONS_PER_SAMPLE, TIME_OF_A_CHAINS_RAY};
 use crate::engine::{Measure, Share, allocate};

@@ -13,13 +13,13 @@ pub(super) struct Candidate {
     pub(super) work: f64,
     /// Error of one sample a pixel in its share of paths of at most two edges, and of longer ones.
     pub(super) errors: [f64; 2],
-    /// What it would leave besides, if it were alone.
+    /// The error that it would leave besides, if it were alone.
     pub(super) tail: f64,
     /// Error × work of the chains that take the others' share.
     pub(super) chains: f64,
 }
 
-/// What a round is made of.
+/// The work of a round, by its parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Decision {
     pub(super) candidate: Candidate,

@@ -25,7 +25,7 @@ pub(super) struct Levels {
     values: Vec<f64>,
 }
 
-/// What a sample shows: its pixel and its half; luminance.
+/// The pixel and half that a sample falls into; its luminance.
 type Shown = ([usize; 2], f64);
 
 impl Levels {

@@ -20,7 +20,7 @@ pub(super) const CLASSES: usize = 3;
 /// Path tracing's share of the image, by classes.
 #[derive(Clone, Debug)]
 pub(super) struct Measured {
-    /// What each pixel shows, sum over channels.
+    /// Each pixel's value, summed over channels.
     pub(super) image: Vec<f64>,
     /// Variance of one sample in each pixel.
     variances: Vec<[f64; CLASSES]>,

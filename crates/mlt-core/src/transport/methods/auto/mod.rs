@@ -58,12 +58,12 @@ struct Pilot<'a> {
     watch: Watch<'a>,
 }
 
-/// What chains leave and find.
+/// The errors that chains leave, and the image that they find.
 #[derive(Default)]
 struct Chained {
     /// By strata, per pixel of the render.
     measures: Vec<Measure>,
-    /// What each pixel shows of them, sum over channels.
+    /// Each pixel's value by them, summed over channels.
     image: Vec<f64>,
     spent: PilotCounts,
 }

@@ -9,7 +9,7 @@ use crate::transport::lights::LightStrata;
 pub struct Plan {
     /// The lights' parts, each a stratum of the chains.
     pub(super) strata: LightStrata,
-    /// What decides between samples and chains.
+    /// The levels that decide between samples and chains.
     pub(super) levels: Levels,
     /// Walks of path tracing that go on from the first surface.
     pub(super) branches: u32,

@@ -30,7 +30,7 @@ pub(super) struct Told {
     pub(super) starts: Vec<f64>,
 }
 
-/// What tells it.
+/// The chains that tell it.
 pub(super) struct Tail<'a> {
     pub(super) taken: Taken<'a>,
     /// w, pixel by pixel.

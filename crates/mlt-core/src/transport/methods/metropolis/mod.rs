@@ -5,16 +5,13 @@ pub mod mutate;
 pub(super) mod stratum;
 pub(super) mod variant;
 
-use super::adapt::Adapted;
-use super::counts::PilotCounts;
-use super::found::{put_shares, read_shares};
+use super::found::Found;
 use super::run::Run;
 use super::samples::paired;
 use super::settings::Settings;
 use super::target::importance;
-use crate::engine::{Counted, DecodeError, Outcome, Reader, Share, Watch};
+use crate::engine::{DecodeError, Outcome, Reader, Watch};
 use crate::transport::image::PixelImportance;
-use crate::transport::lights::LightStrata;
 use crate::transport::scene::View;
 use chains::PathChains;
 use stratum::with_met;
@@ -28,9 +25,7 @@ pub use variant::Variant;
 #[derive(Debug)]
 pub struct PathMetropolis<'a> {
     chains: PathChains<'a>,
-    strata: LightStrata,
-    shares: Vec<Share>,
-    pilot: PilotCounts,
+    found: Found,
 }
 
 impl<'a> PathMetropolis<'a> {
@@ -38,18 +33,10 @@ impl<'a> PathMetropolis<'a> {
     pub fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
         let importance = importance(view, &settings, watch)?;
         let chains = PathChains::new(view, settings, importance);
-        let Adapted { strata, shares, tally } = chains.adapt(watch)?;
-        let mut pilot = PilotCounts::of(&tally);
-        let shares = match shares {
-            Some(shares) => shares,
-            None => {
-                let (shares, rays) = chains.shares_by_power(&strata, watch)?;
-                pilot.rays += rays;
-                shares
-            }
-        };
+        let Found { strata, shares, pilot } =
+            Found::new(chains.adapt(watch)?, |strata| chains.shares_by_power(strata, watch))?;
         let shares = with_met(&chains.strata(&strata), shares);
-        Some(Self { chains, strata, shares, pilot })
+        Some(Self { chains, found: Found { strata, shares, pilot } })
     }
 
     /// The same with what [`pilot`](Self::pilot) gives.
@@ -59,11 +46,10 @@ impl<'a> PathMetropolis<'a> {
         from: &mut Reader,
     ) -> Result<Self, DecodeError> {
         let importance = PixelImportance::read(view.camera.pixels(), from)?;
-        let strata = LightStrata::read(view.scene.lights(), from)?;
-        let shares = read_shares(settings.mutations_per_round(view), from)?;
-        let (chains, pilot) = (PathChains::new(view, settings, importance), PilotCounts::read(from)?);
-        match chains.strata(&strata).len() == shares.len() {
-            true => Ok(Self { chains, strata, shares, pilot }),
+        let found = Found::read(view, &settings, from)?;
+        let chains = PathChains::new(view, settings, importance);
+        match chains.strata(&found.strata).len() == found.shares.len() {
+            true => Ok(Self { chains, found }),
             false => Err(DecodeError::Damaged),
         }
     }
@@ -72,15 +58,13 @@ impl<'a> PathMetropolis<'a> {
     pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.chains.importance().write(&mut bytes);
-        self.strata.write(&mut bytes);
-        put_shares(&mut bytes, &self.shares);
-        self.pilot.write(&mut bytes);
+        self.found.write(&mut bytes);
         bytes
     }
 
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
-        let strata = paired(self.chains.strata(&self.strata), &self.shares);
-        run.metropolis(&self.chains.estimator(&strata, &self.chains.mutations()), self.pilot)
+        let strata = paired(self.chains.strata(&self.found.strata), &self.found.shares);
+        run.metropolis(&self.chains.estimator(&strata, &self.chains.mutations()), self.found.pilot)
     }
 }

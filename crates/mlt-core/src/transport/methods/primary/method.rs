@@ -1,13 +1,12 @@
 //! Stratified Metropolis over the random numbers of a tracer.
 
 use super::{Part, STREAMS, Tracers};
-use crate::engine::{Counted, DecodeError, Metropolis, Mixture, Outcome, Reader, Share, Watch, shares_by_power};
+use crate::engine::{DecodeError, Metropolis, Mixture, Outcome, Reader, Share, Watch, shares_by_power};
 use crate::primary::{PrimaryImportance, PrimaryMutation, PrimaryPath, PrimaryStratum};
 use crate::transport::image::{PixelImportance, error_weights};
 use crate::transport::lights::LightStrata;
 use crate::transport::methods::adapt::{Adapted, Pilot};
-use crate::transport::methods::counts::PilotCounts;
-use crate::transport::methods::found::{put_shares, read_shares};
+use crate::transport::methods::found::Found;
 use crate::transport::methods::run::{Run, metropolis};
 use crate::transport::methods::samples::{fitted_shares, mutations_per_sample, paired};
 use crate::transport::methods::settings::Settings;
@@ -25,9 +24,7 @@ type Mutations<'s, T> = Mixture<State<T>, PartOf<'s, T>, PrimaryMutation>;
 #[derive(Debug)]
 pub(in crate::transport) struct PrimaryMetropolis<'a, T> {
     chains: Chains<'a, T>,
-    strata: LightStrata,
-    shares: Vec<Share>,
-    pilot: PilotCounts,
+    found: Found,
 }
 
 impl<'a, T: Tracers> PrimaryMetropolis<'a, T> {
@@ -35,17 +32,8 @@ impl<'a, T: Tracers> PrimaryMetropolis<'a, T> {
     pub(in crate::transport) fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
         let importance = importance(view, &settings, watch)?;
         let chains = Chains::new(view, settings, importance);
-        let Adapted { strata, shares, tally } = chains.adapt(watch)?;
-        let mut pilot = PilotCounts::of(&tally);
-        let shares = match shares {
-            Some(shares) => shares,
-            None => {
-                let (shares, rays) = chains.shares_by_power(&strata, watch)?;
-                pilot.rays += rays;
-                shares
-            }
-        };
-        Some(Self { chains, strata, shares, pilot })
+        let found = Found::new(chains.adapt(watch)?, |strata| chains.shares_by_power(strata, watch))?;
+        Some(Self { chains, found })
     }
 
     /// The same with what [`pilot`](Self::pilot) gives.
@@ -55,12 +43,9 @@ impl<'a, T: Tracers> PrimaryMetropolis<'a, T> {
         from: &mut Reader,
     ) -> Result<Self, DecodeError> {
         let importance = PixelImportance::read(view.camera.pixels(), from)?;
-        let strata = LightStrata::read(view.scene.lights(), from)?;
-        let shares = read_shares(settings.mutations_per_round(view), from)?;
-        let chains = Chains::new(view, settings, importance);
-        let pilot = PilotCounts::read(from)?;
-        match strata.regions().len() == shares.len() {
-            true => Ok(Self { chains, strata, shares, pilot }),
+        let found = Found::read(view, &settings, from)?;
+        match found.strata.regions().len() == found.shares.len() {
+            true => Ok(Self { chains: Chains::new(view, settings, importance), found }),
             false => Err(DecodeError::Damaged),
         }
     }
@@ -69,17 +54,14 @@ impl<'a, T: Tracers> PrimaryMetropolis<'a, T> {
     pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.chains.importance.write(&mut bytes);
-        self.strata.write(&mut bytes);
-        put_shares(&mut bytes, &self.shares);
-        self.pilot.write(&mut bytes);
+        self.found.write(&mut bytes);
         bytes
     }
 
     /// Adds rounds.
     pub(in crate::transport) fn render(&self, run: Run) -> Outcome {
-        let strata = paired(self.chains.strata(&self.strata), &self.shares);
-        let mixture = self.chains.mutations();
-        run.metropolis(&self.chains.estimator(&strata, &mixture), self.pilot)
+        let strata = paired(self.chains.strata(&self.found.strata), &self.found.shares);
+        run.metropolis(&self.chains.estimator(&strata, &self.chains.mutations()), self.found.pilot)
     }
 }
 
