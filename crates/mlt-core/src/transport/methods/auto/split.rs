@@ -64,7 +64,8 @@ pub(super) struct Rest<'a>(pub(super) &'a Split);
 impl Selection for Rest<'_> {
     #[inline]
     fn part(&self, value: DVec3, pixel: u32, end: &PathEnd) -> DVec3 {
-        if IN_VIEW.contains(end.kind) {
+        // Where a technique's weight is too small for f32, nothing is left of the value, and `scale` is infinite.
+        if IN_VIEW.contains(end.kind) || value == DVec3::ZERO {
             return value;
         }
         let u = value.dot(DVec3::from_array(LUMINANCE)) * end.scale;
@@ -103,6 +104,8 @@ mod tests {
     use crate::transport::methods::independent::ImageSampler;
     use crate::transport::methods::path_tracing::PathTracer;
     use crate::transport::methods::sobol::OwenSobol;
+    use crate::transport::paths::LightEnd;
+    use crate::transport::scene::LightPoint;
     use crate::transport::tests::worlds::{World, worlds};
     use glam::Vec2;
 
@@ -181,6 +184,16 @@ mod tests {
             (right / all).abs() < 4.0 && by_power > 5.0 && certain / all > 5.0,
             "{right} {by_power} {certain}, {all}"
         );
+    }
+
+    /// A technique whose weight is beyond f32 brings nothing, and nothing that is no number.
+    #[test]
+    fn nothing_is_left_of_nothing() {
+        let split = Split { half: vec![0.03], max_edges: MOST_EDGES };
+        let light = LightPoint { light: 0, u: 0.5, v: 0.5 };
+        let end = PathEnd { kind: Kind::new(3, false), light: LightEnd::Drawn(&light), scale: f64::INFINITY };
+        assert_eq!(Rest(&split).part(DVec3::ZERO, 0, &end), DVec3::ZERO);
+        assert_eq!(Rest(&split).part(DVec3::ONE, 0, &end), DVec3::ZERO);
     }
 
     /// Where samples make short paths only, all others are for chains.
