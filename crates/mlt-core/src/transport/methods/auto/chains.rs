@@ -1,6 +1,6 @@
 //! The error that chains leave in their share of the image, and their shares of a round.
 
-use super::constants::{MUTATIONS_PER_SAMPLE, TIME_OF_A_CHAINS_RAY};
+use super::constants::{MUTATIONS_PER_SAMPLE, TIME_OF_A_CHAINS_RAY, WALKS};
 use crate::engine::{Measure, Share, allocate};
 
 /// Error that chains leave in an image of `to` pixels, as a mean over pixels and for each mutation and sample a pixel, from the
@@ -16,10 +16,20 @@ pub(super) fn per_pixel(measure: Measure, from: u32, to: u32) -> Measure {
     }
 }
 
-/// Error × work of chains in these strata with what they are handed out of so much work, that of all pixels. `starts`: what their starts
-/// leave by strata, as chains tell it, which may be more than samples do.
-pub(super) fn product(measures: &[Measure], starts: &[f64], work: f64, per_sample: u64) -> f64 {
-    let shares = share_out(measures, work, per_sample);
+/// Chains' work in a round, that of all pixels, and how they spend it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget {
+    pub(super) work: f64,
+    /// Mutations for each independent sample, if their noise does not ask for more samples.
+    pub(super) mutations_per_sample: u64,
+    /// Whether the last stratum holds what is met by chance.
+    pub(super) met: bool,
+}
+
+/// Error × work of chains in these strata with what they are handed out of a budget. `starts`: what their starts leave by strata, as chains
+/// tell it, which may be more than samples do.
+pub(super) fn product(measures: &[Measure], starts: &[f64], budget: Budget) -> f64 {
+    let shares = share_out(measures, budget);
     let with =
         |(&measure, &starts): (&Measure, &f64)| Measure { sample_error: measure.sample_error.max(starts), ..measure };
     let noisy = measures.iter().zip(starts).map(with);
@@ -29,14 +39,19 @@ pub(super) fn product(measures: &[Measure], starts: &[f64], work: f64, per_sampl
     error * spent
 }
 
-/// Shares of a round of so much work, that of all pixels.
-pub(super) fn share_out(measures: &[Measure], work: f64, mutations_per_sample: u64) -> Vec<Share> {
+/// Shares of a round.
+pub(super) fn share_out(measures: &[Measure], budget: Budget) -> Vec<Share> {
+    let Budget { work, mutations_per_sample, met } = budget;
     let mut mutations = work / (2.0 * TIME_OF_A_CHAINS_RAY);
     let mut shares = Vec::new();
     for _ in 0..3 {
         let n = (mutations.max(1.0) / measures.len() as f64) as u64;
         let even = vec![Share { mutations: n.max(1), samples: (n / MUTATIONS_PER_SAMPLE).max(1) }; measures.len()];
         shares = allocate(measures, &even, mutations.max(1.0), mutations_per_sample);
+        if met && let (Some(share), Some(measure)) = (shares.last_mut(), measures.last()) {
+            let rays = WALKS * work / TIME_OF_A_CHAINS_RAY;
+            share.samples = share.samples.max((rays / measure.sample_cost.max(1.0)) as u64);
+        }
         let expected = measures.iter().zip(&shares).map(|(m, share)| work_of(m, share)).sum::<f64>() / work;
         mutations *= if expected > 0.0 { expected.recip().clamp(0.1, 10.0) } else { 1.0 };
     }

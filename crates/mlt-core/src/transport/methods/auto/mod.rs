@@ -22,13 +22,13 @@ use super::metropolis::{LightStratum, PathMutation};
 use super::path_tracing::PathTracer;
 use super::samples::mutations_per_sample;
 use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, Share, Watch};
-use crate::transport::image::{PixelImportance, error_weights};
-use crate::transport::lights::{LightRegion, LightStrata, Stratification};
+use crate::transport::image::error_weights;
+use crate::transport::lights::{LightStrata, Stratification};
 use crate::transport::scene::{View, rays_traced};
-use chains::{per_pixel, product, share_out};
+use chains::{Budget, per_pixel, product, share_out};
 use constants::{
-    BRANCHES, CHAIN_PILOT, LEAST_SHARE, MOSTLY_HARD, MUTATIONS, MUTATIONS_PER_SAMPLE, PIXELS, REDUCTION, ROUNDS,
-    ROUNDS_OF_TIME, TIME_OF_CHAINS, USUAL_PIXELS,
+    BRANCHES, CHAIN_PILOT, LEAST_SHARE, MOSTLY_HARD, MUTATIONS, MUTATIONS_PER_SAMPLE, PILOT_WALKS, PIXELS, REDUCTION,
+    ROUNDS, ROUNDS_OF_TIME, TIME_OF_CHAINS, USUAL_PIXELS,
 };
 use decide::{Candidate, Decision, better, decide};
 use levels::Levels;
@@ -39,6 +39,7 @@ use tail::{Tail, Told};
 pub use constants::TIME_OF_A_CHAINS_RAY;
 pub use plan::{Plan, Summary};
 pub use render::Auto;
+use render::Common;
 
 /// Shares of the pilot's time at which its steps begin, about: levels, path tracing, chains, and what these tell.
 const STEPS: [f64; 5] = [0.0, 0.1, 0.3, 0.7, 1.0];
@@ -46,9 +47,7 @@ const STEPS: [f64; 5] = [0.0, 0.1, 0.3, 0.7, 1.0];
 /// The task that a pilot finds a plan for.
 struct Pilot<'a> {
     view: View<'a>,
-    importance: &'a PixelImportance,
-    /// All lights.
-    lights: &'a LightRegion,
+    common: &'a Common,
     /// How the lights are cut for chains.
     stratification: Stratification,
     max_edges: usize,
@@ -86,7 +85,7 @@ impl Pilot<'_> {
     fn run(&self) -> Option<(Plan, PilotCounts)> {
         let (strata, camera) = (self.cut(), self.view.camera.with_size(self.size()));
         let view = View { camera: &camera, ..self.view };
-        let of_light = Bidirectional { view, region: self.lights, max_edges: self.max_edges };
+        let of_light = Bidirectional { view, region: &self.common.lights, max_edges: self.max_edges };
         let levels = Levels::measure(&of_light, self.seed, self.part(0))?;
         let split = Split::new(&levels, camera.size(), self.max_edges);
         let (findings, spent) = self.findings(view, &strata, &split)?;
@@ -113,9 +112,9 @@ impl Pilot<'_> {
         let pixels = f64::from(view.camera.pixels());
         let sampled = PilotCounts { mutations: 0, rays: (pixels * measured.work * measured.samples) as u64 };
 
-        let strata = &LightStratum::of_kinds(strata, IN_VIEW.others(), view, self.max_edges);
+        let strata = &LightStratum::of_kinds(strata, IN_VIEW.others(), (view, &self.common.guide), self.max_edges);
         let mutations = ((MUTATIONS * pixels / strata.len().max(1) as f64) as u64).max(LEAST_CHAIN);
-        let taken = Taken { importance: self.importance, view, lights: self.lights, split };
+        let taken = Taken { importance: &self.common.importance, view, lights: &self.common.lights, split };
         let weigh = |chained: &[f64]| {
             let both: Vec<_> = measured.image.iter().zip(chained).map(|(a, b)| a + b).collect();
             error_weights(&both, view.camera.size())
@@ -136,7 +135,7 @@ impl Pilot<'_> {
     }
 
     fn tracer<'s>(&'s self, view: View<'s>, branches: u32) -> PathTracer<'s> {
-        let (light_sampler, max_edges) = (self.lights.light_sampler(), self.max_edges);
+        let (light_sampler, max_edges) = (self.common.lights.light_sampler(), self.max_edges);
         PathTracer { view, light_sampler, max_edges, max_image_edges: max_edges, branches }
     }
 
@@ -145,7 +144,7 @@ impl Pilot<'_> {
         let &Findings { errors: [in_view, direct, long], work, ref measures, ref told, hard } = findings;
         let branch = (work_of(&self.tracer(view, 2), self.seed) - work).max(0.0);
         let of_round = 0.5 * self.per_pixel.max(1.0) * work * f64::from(self.view.camera.pixels());
-        let chains = product(measures, &told.starts, of_round, self.mutations_per_sample());
+        let chains = product(measures, &told.starts, self.budget(of_round));
         let with = |branches: u32| Candidate {
             branches,
             max_edges: self.max_edges,
@@ -173,11 +172,12 @@ impl Pilot<'_> {
             return Vec::new();
         }
         let work = decision.chain_work * f64::from(self.view.camera.pixels());
-        share_out(&findings.measures, work, self.mutations_per_sample())
+        share_out(&findings.measures, self.budget(work))
     }
 
-    fn mutations_per_sample(&self) -> u64 {
-        mutations_per_sample(self.view, engine::MUTATIONS_PER_SAMPLE)
+    fn budget(&self, work: f64) -> Budget {
+        let mutations_per_sample = mutations_per_sample(self.view, engine::MUTATIONS_PER_SAMPLE);
+        Budget { work, mutations_per_sample, met: self.view.scene.needs().specular }
     }
 
     fn cut(&self) -> LightStrata {
@@ -207,7 +207,10 @@ impl Pilot<'_> {
         weigh: &dyn Fn(&[f64]) -> Vec<f64>,
     ) -> Option<Chained> {
         let share = Share { mutations, samples: mutations.div_ceil(MUTATIONS_PER_SAMPLE) };
-        let strata: Vec<_> = strata.iter().map(|&stratum| (stratum, share)).collect();
+        let walks = share.samples.max(PILOT_WALKS * u64::from(taken.view.camera.pixels()));
+        let share_of =
+            |stratum: &LightStratum| if stratum.is_met() { Share { samples: walks, ..share } } else { share };
+        let strata: Vec<_> = strata.iter().map(|stratum| (*stratum, share_of(stratum))).collect();
         let (mixture, pixels) = (Mixture::new(PathMutation::all(taken.view)), taken.view.camera.pixels());
         let mut image = vec![0.0; pixels as usize];
         let Ok(chains) = Metropolis::new(&strata, &mixture, &taken, self.seed) else {

@@ -1,11 +1,13 @@
 //! Renders as a plan says.
 
 use super::Pilot;
+use super::constants::{PHOTON_WALKS, PHOTONS};
 use super::plan::{Plan, Summary};
 use super::split::{IN_VIEW, Rest, Split, Taken};
 use crate::engine::{Counted, DecodeError, Mixture, Outcome, Reader, Watch};
 use crate::transport::image::PixelImportance;
 use crate::transport::lights::LightRegion;
+use crate::transport::methods::bidirectional::Guide;
 use crate::transport::methods::counts::PilotCounts;
 use crate::transport::methods::independent::{AllPaths, Independent};
 use crate::transport::methods::metropolis::{LightStratum, PathMutation};
@@ -21,32 +23,46 @@ use crate::transport::scene::View;
 pub struct Auto<'a> {
     view: View<'a>,
     settings: Settings,
-    importance: PixelImportance,
-    lights: LightRegion,
+    common: Common,
     plan: Plan,
     split: Split,
     pilot: PilotCounts,
 }
 
+/// Used by the pilot and by all rounds.
+#[derive(Debug)]
+pub(super) struct Common {
+    pub(super) importance: PixelImportance,
+    /// All lights.
+    pub(super) lights: LightRegion,
+    /// Where light that is met by chance comes from.
+    pub(super) guide: Guide,
+}
+
+impl Common {
+    /// With the rays that the guide took.
+    fn new(view: View, settings: &Settings, importance: PixelImportance) -> (Self, u64) {
+        let lights = LightRegion::whole(view.scene.lights());
+        let samples = settings.per_pixel * f64::from(view.camera.pixels());
+        let walks = (PHOTONS * samples).clamp(PHOTON_WALKS[0], PHOTON_WALKS[1]) as u64;
+        let (guide, rays) = Guide::new(&view, &lights, (walks, settings.most_edges()), settings.seed);
+        (Self { importance, lights, guide }, rays)
+    }
+}
+
 impl<'a> Auto<'a> {
     /// Finds out how the work is shared out: the pilot runs here; nothing if it is stopped.
     pub fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
-        let (importance, lights) = (importance(view, &settings, watch)?, LightRegion::whole(view.scene.lights()));
+        let (common, rays) = Common::new(view, &settings, importance(view, &settings, watch)?);
         let (max_edges, &Settings { stratification, seed, per_pixel, .. }) = (settings.most_edges(), &settings);
-        let pilot =
-            Pilot { view, importance: &importance, lights: &lights, stratification, max_edges, seed, per_pixel, watch };
+        let pilot = Pilot { view, common: &common, stratification, max_edges, seed, per_pixel, watch };
         let (plan, pilot) = pilot.run()?;
-        Some(Self::with(view, settings, (importance, lights), (plan, pilot)))
+        Some(Self::with(view, settings, common, (plan, pilot + PilotCounts { mutations: 0, rays })))
     }
 
-    fn with(
-        view: View<'a>,
-        settings: Settings,
-        (importance, lights): (PixelImportance, LightRegion),
-        (plan, pilot): (Plan, PilotCounts),
-    ) -> Self {
+    fn with(view: View<'a>, settings: Settings, common: Common, (plan, pilot): (Plan, PilotCounts)) -> Self {
         let split = Split::new(&plan.levels, view.camera.size(), plan.max_edges);
-        Self { view, settings, importance, lights, plan, split, pilot }
+        Self { view, settings, common, plan, split, pilot }
     }
 
     /// The same with what [`pilot`](Self::pilot) gives.
@@ -55,16 +71,15 @@ impl<'a> Auto<'a> {
         settings: Settings,
         from: &mut Reader,
     ) -> Result<Self, DecodeError> {
-        let importance = PixelImportance::read(view.camera.pixels(), from)?;
-        let (plan, lights) = (Plan::read(view, &settings, from)?, LightRegion::whole(view.scene.lights()));
-        let pilot = PilotCounts::read(from)?;
-        Ok(Self::with(view, settings, (importance, lights), (plan, pilot)))
+        let (common, _) = Common::new(view, &settings, PixelImportance::read(view.camera.pixels(), from)?);
+        let (plan, pilot) = (Plan::read(view, &settings, from)?, PilotCounts::read(from)?);
+        Ok(Self::with(view, settings, common, (plan, pilot)))
     }
 
     /// The pilot's outcome, as bytes.
     pub(in crate::transport) fn pilot(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        self.importance.write(&mut bytes);
+        self.common.importance.write(&mut bytes);
         self.plan.write(&mut bytes);
         self.pilot.write(&mut bytes);
         bytes
@@ -73,8 +88,8 @@ impl<'a> Auto<'a> {
     /// Follows a plan of the caller's.
     pub fn with_plan(view: View<'a>, settings: Settings, plan: Plan) -> Self {
         let importance = importance(view, &settings, Watch::NEVER).expect("nothing stops it");
-        let lights = LightRegion::whole(view.scene.lights());
-        Self::with(view, settings, (importance, lights), (plan, PilotCounts::default()))
+        let (common, _) = Common::new(view, &settings, importance);
+        Self::with(view, settings, common, (plan, PilotCounts::default()))
     }
 
     /// The decision.
@@ -84,7 +99,8 @@ impl<'a> Auto<'a> {
 
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
-        let (view, plan, lights, seed) = (self.view, &self.plan, &self.lights, self.settings.seed);
+        let (view, plan, seed) = (self.view, &self.plan, self.settings.seed);
+        let Common { importance, lights, guide } = &self.common;
         let &Plan { branches, max_edges, samples: samples_per_pixel, .. } = plan;
         let (light_sampler, max_image_edges) = (lights.light_sampler(), max_edges);
         let sampler = &PathTracer { view, light_sampler, max_edges, max_image_edges, branches };
@@ -93,9 +109,9 @@ impl<'a> Auto<'a> {
             return run.independent(&samples, self.pilot);
         }
         let samples = Independent { sampler, selection: Rest(&self.split), samples_per_pixel, seed };
-        let strata = LightStratum::of_kinds(&plan.strata, IN_VIEW.others(), view, self.settings.most_edges());
+        let strata = LightStratum::of_kinds(&plan.strata, IN_VIEW.others(), (view, guide), self.settings.most_edges());
         let (strata, mixture) = (paired(strata, &plan.shares), Mixture::new(PathMutation::all(view)));
-        let taken = Taken { importance: &self.importance, view, lights, split: &self.split };
+        let taken = Taken { importance, view, lights, split: &self.split };
         run.mixture(samples, metropolis(&strata, &mixture, &taken, seed), self.pilot)
     }
 }

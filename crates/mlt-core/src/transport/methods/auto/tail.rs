@@ -139,6 +139,7 @@ mod tests {
     use crate::transport::colour::Rgb;
     use crate::transport::image::PixelImportance;
     use crate::transport::lights::{LightRegion, LightStrata, Stratification};
+    use crate::transport::methods::bidirectional::Guide;
     use crate::transport::scene::View;
     use crate::transport::tests::worlds::{lambert, mirror, room};
 
@@ -166,25 +167,29 @@ mod tests {
             let split = Split::new(&Levels::even(0.02), [1, 1], 6);
             let taken = Taken { importance: &importance, view, lights: &lights, split: &split };
             let parts = LightStrata::new(view.scene.lights(), Stratification::None);
-            let strata = LightStratum::of_kinds(&parts, IN_VIEW.others(), view, 6);
+            let guide = Guide::default();
+            let strata = LightStratum::of_kinds(&parts, IN_VIEW.others(), (view, &guide), 6);
             let told: Vec<Told> = (0..24)
                 .map(|seed| {
                     Tail { taken, weights: &[2.0], seed }.measure(&strata, 32_000, Watch::NEVER).expect("runs").0
                 })
                 .collect();
             let integrals = |i: u64| {
-                let (rng, mut sums) = (&mut generator(9, Purpose::Sample, 0, 0, i), [0.0; 3]);
-                strata[0].sample(rng, &mut |path, weight| {
-                    let (value, eval) = (split.value(path, &view, &lights), taken.eval(path));
-                    let of_pixel = 2.0 * weight * (path.contribution().element_sum() / Luminance.eval(path)).powi(2);
-                    if eval > 0.0 {
-                        let share = eval / importance.eval(path);
-                        let all = of_pixel * value * importance.eval(path);
-                        sums[0] += all * share * (2.0 - share);
-                        sums[1] += of_pixel * eval * eval / strata[0].density(path);
-                        sums[2] += all * share;
-                    }
-                });
+                let mut sums = [0.0; 3];
+                for (j, stratum) in (0..).zip(&strata) {
+                    stratum.sample(&mut generator(9, Purpose::Sample, 0, j, i), &mut |path, weight| {
+                        let (value, eval) = (split.value(path, &view, &lights), taken.eval(path));
+                        let of_pixel =
+                            2.0 * weight * (path.contribution().element_sum() / Luminance.eval(path)).powi(2);
+                        if eval > 0.0 {
+                            let share = eval / importance.eval(path);
+                            let all = of_pixel * value * importance.eval(path);
+                            sums[0] += all * share * (2.0 - share);
+                            sums[1] += if j == 0 { of_pixel * eval * eval / stratum.density(path) } else { 0.0 };
+                            sums[2] += all * share;
+                        }
+                    });
+                }
                 sums
             };
             let found: Vec<[f64; 3]> = (0..100_000).map(integrals).collect();

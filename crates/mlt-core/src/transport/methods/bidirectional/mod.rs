@@ -1,6 +1,8 @@
 //! Bidirectional path tracing.
 
 mod connect;
+mod guide;
+mod met;
 mod sampler;
 
 use super::counts::PilotCounts;
@@ -11,6 +13,8 @@ use crate::engine::Outcome;
 use crate::transport::lights::LightRegion;
 use crate::transport::scene::View;
 
+pub(crate) use guide::Guide;
+pub(crate) use met::ByChance;
 pub use sampler::Bidirectional;
 
 /// Bidirectional path tracing, as often in every pixel.

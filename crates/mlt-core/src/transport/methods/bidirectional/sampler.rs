@@ -45,7 +45,7 @@ pub(crate) struct Scratch {
     pub(crate) eye: Subpath,
     /// Where that crosses the image.
     film: Vec2,
-    path: LightPath,
+    pub(super) path: LightPath,
 }
 
 /// A subpath from a light.
@@ -80,14 +80,14 @@ pub(crate) struct Carried {
     /// Contribution over density so far, roulette included.
     pub(crate) throughput: DVec3,
     /// Probability that roulette let it come so far.
-    survival: f64,
+    pub(super) survival: f64,
     /// Σ of (p_i/p_s)² over the techniques that share this vertex's neighbour but one: see [`mis`].
     pub(crate) others: f64,
 }
 
 impl Subpath {
     /// Empties it, makes room for `most` vertices, and starts with the first one's throughput.
-    fn reset(&mut self, most: usize, any: PathVertex, throughput: f64) {
+    pub(super) fn reset(&mut self, most: usize, any: PathVertex, throughput: f64) {
         if self.vertices.len() < most {
             self.vertices.resize(most, any);
         }
@@ -107,7 +107,7 @@ impl Subpath {
 
     /// Takes in a vertex to which the throughput changes by `factor`, unless roulette ends the subpath before it;
     /// returns whether it goes on. `certain`: the throughput that counts as 1 in roulette.
-    fn extend(&mut self, factor: DVec3, others: f64, certain: f64, rng: &mut impl Rng) -> bool {
+    pub(super) fn extend(&mut self, factor: DVec3, others: f64, certain: f64, rng: &mut impl Rng) -> bool {
         let Carried { throughput, survival, .. } = self.carried[self.carried.len() - 1];
         let throughput = throughput * factor;
         let go_on = if self.carried.len() < CERTAIN_VERTICES {
@@ -124,7 +124,7 @@ impl Subpath {
 }
 
 thread_local! {
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
+    pub(super) static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
 impl Bidirectional<'_> {
@@ -141,21 +141,6 @@ impl Bidirectional<'_> {
     /// points do as well.
     pub fn sample_through(&self, film: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
         self.with_subpaths(film, rng, |scratch, _| self.connect_all(scratch, area, visit));
-    }
-
-    /// As [`sample_through`](Self::sample_through), with the camera subpath alone: its weights are right for paths that no connection
-    /// makes.
-    pub fn sample_met(&self, film: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
-        SCRATCH.with_borrow_mut(|scratch| {
-            let lens = self.view.camera.sample_lens(rng);
-            self.trace_eye(film, &lens, scratch, rng);
-            scratch.path.cross(&self.view, film);
-            for t in 2..=scratch.eye.len() {
-                if let Some(weight) = self.connect(scratch, [0, t], area) {
-                    visit(&scratch.path, weight / scratch.eye.carried(t).survival);
-                }
-            }
-        });
     }
 
     /// As [`sample_paths`](Self::sample_paths), with random numbers for each subpath from a generator of its own.
@@ -275,7 +260,7 @@ impl Bidirectional<'_> {
 
     /// Assembles the path with s light and t camera vertices, which is known to cross the image at the film point of the latter unless
     /// t = 1; returns w_s/p_s, `None` where the contribution is zero.
-    fn connect(&self, scratch: &mut Scratch, [s, t]: [usize; 2], area: f64) -> Option<f64> {
+    pub(super) fn connect(&self, scratch: &mut Scratch, [s, t]: [usize; 2], area: f64) -> Option<f64> {
         let Scratch { light, near, eye, path, .. } = scratch;
         let LightSubpath { subpath: light, point, preference } = self.beginning(s, light, near);
         let eye = &eye.vertices[eye.vertices.len() - t..];

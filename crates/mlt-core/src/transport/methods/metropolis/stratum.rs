@@ -2,7 +2,7 @@
 
 use crate::engine::{Share, Stratum, uniform_f32};
 use crate::transport::lights::{LightRegion, LightStrata};
-use crate::transport::methods::bidirectional::Bidirectional;
+use crate::transport::methods::bidirectional::{Bidirectional, ByChance, Guide};
 use crate::transport::paths::mis::{self, Ends, met_by_chance};
 use crate::transport::paths::{Classes, Kinds, LightPath, PathClass};
 use crate::transport::scene::{LightPoint, View};
@@ -23,6 +23,8 @@ pub struct LightStratum<'a> {
     /// Whether Ω_j is all of path space, so that no path has to be looked at.
     everything: bool,
     sampler: Bidirectional<'a>,
+    /// For what is met by chance.
+    guide: Option<&'a Guide>,
 }
 
 /// Which paths of its class a stratum holds.
@@ -65,11 +67,20 @@ impl<'a> LightStratum<'a> {
         classes.all(max_edges, view.scene.needs().specular && parts == 1)
     }
 
-    /// The paths of some kinds in each of the lights' parts.
-    pub(crate) fn of_kinds(strata: &'a LightStrata, kinds: Kinds, view: View<'a>, max_edges: usize) -> Vec<Self> {
-        let part = |(index, region)| (Held::Part(index as u32), region);
+    /// The paths of some kinds in each of the lights' parts; after them, where there is a specular surface, what is met by chance, by
+    /// subpaths that are guided.
+    pub(crate) fn of_kinds(
+        strata: &'a LightStrata,
+        kinds: Kinds,
+        (view, guide): (View<'a>, &'a Guide),
+        max_edges: usize,
+    ) -> Vec<Self> {
+        let apart = view.scene.needs().specular;
+        let held = |index| if apart { Held::Connected(index) } else { Held::Part(index) };
+        let parts = (0..).zip(strata.regions()).map(|(index, region)| (held(index), region));
+        let met = apart.then_some((Held::Met, strata.whole()));
         let of_part = |part| Self::new(strata, part, PathClass::of_kinds(kinds), view, max_edges);
-        strata.regions().iter().enumerate().map(part).map(of_part).collect()
+        parts.chain(met).map(of_part).map(|stratum| Self { guide: Some(guide), ..stratum }).collect()
     }
 
     fn new(
@@ -81,7 +92,7 @@ impl<'a> LightStratum<'a> {
     ) -> Self {
         let sampler = Bidirectional { view, region, max_edges: class.kinds.most_edges(max_edges) };
         let everything = strata.regions().len() == 1 && class == PathClass::of_kinds(Kinds::ALL);
-        Self { strata, held, class, everything, sampler }
+        Self { strata, held, class, everything, sampler, guide: None }
     }
 
     /// All paths in one stratum whose chains change the light end within the parts of `strata`. `whole`: all lights.
@@ -93,7 +104,7 @@ impl<'a> LightStratum<'a> {
     ) -> Self {
         let class = PathClass::of_kinds(Kinds::ALL);
         let sampler = Bidirectional { view, region: whole, max_edges };
-        Self { strata, held: Held::All, class, everything: true, sampler }
+        Self { strata, held: Held::All, class, everything: true, sampler, guide: None }
     }
 
     /// Where x_0 is drawn.
@@ -145,6 +156,10 @@ impl<'a> LightStratum<'a> {
         self.held == Held::Met
     }
 
+    fn by_chance(&self) -> ByChance<'a> {
+        ByChance { sampler: self.sampler, guide: self.guide }
+    }
+
     /// Most edges of a path.
     pub(crate) fn max_edges(&self) -> usize {
         self.sampler.max_edges
@@ -174,7 +189,7 @@ impl Stratum<LightPath> for LightStratum<'_> {
             }
         };
         match self.held {
-            Held::Met => self.sampler.sample_met(film, area, rng, &mut show),
+            Held::Met => self.by_chance().sample(film, area, rng, &mut show),
             _ => self.sampler.sample_through(film, area, rng, &mut show),
         }
     }
@@ -182,7 +197,8 @@ impl Stratum<LightPath> for LightStratum<'_> {
     fn density(&self, path: &LightPath) -> f64 {
         let Bidirectional { view, region, .. } = &self.sampler;
         let ends = Ends::new(path, view, region, self.image_area());
-        mis::densities(path.vertices(), ends).sum()
+        let density: f64 = mis::densities(path.vertices(), ends).sum();
+        if self.is_met() { density * self.by_chance().relative_density(path) } else { density }
     }
 
     /// The stratum of what is met by chance counts as much as an average part of the lights.

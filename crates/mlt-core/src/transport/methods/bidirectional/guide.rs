@@ -1,0 +1,262 @@
+//! Where light comes from that mirrors and lenses gather, as photons tell.
+//!
+//! Paths that nothing but a camera subpath meets (L S D S E) need a direction at D that goes through S into the lamp. Few have one: a
+//! lamp over a pool, seen from the water, is met once in ten thousand. Light subpaths that go to D know those directions. They are kept as
+//! photons, at D with the last specular vertex before it. A camera subpath that comes to D takes its direction from those around it:
+//!
+//! p(ω) = ½ p_s(ω) + ¼ q(ω; d, ε) + ¼ 1/n Σ_j q(ω; d_j, ε_j),   q(ω; d, ε) = ε (2 + ε)/(4π (1 − ω·d + ε)²)          (G1)
+//!
+//! with p_s the density by the BSDF. d_j points to the specular vertex of photon j, and ε_j is the width that its distance from D makes likely. d is
+//! what a linear function of the place foretells, fitted to all of them, ε the scatter about it: light of one lamp through one surface is
+//! smooth, and that many times as sure. q is the spherical Cauchy distribution: its tails are heavy, so that photons that mislead do no harm. Photons
+//! are made once, before all rounds, by random numbers of their own, so rounds stay independent and unbiased whatever they tell.
+//!
+//! Sources: [Jensen95], photons as a guide for path tracing; [KatoMcCullagh20], the distribution.
+
+use crate::engine::{PILOT, Purpose, generator, uniform_f32};
+use crate::transport::geometry::math::{frame, turn, unit};
+use crate::transport::lights::LightRegion;
+use crate::transport::paths::PathVertex;
+use crate::transport::paths::subpath::{light_numbers, start_at_light, step_from_light};
+use crate::transport::scene::{View, rays_traced};
+use glam::{Mat3A, Vec3A};
+use rand_pcg::rand_core::Rng;
+use rayon::prelude::*;
+use std::f32::consts::PI;
+use std::ops::Range;
+
+/// Most photons that a place takes its directions from.
+const NEAR: usize = 16;
+/// Number of a round that nothing else has.
+const ROUND: u64 = PILOT + (1 << 41);
+/// Least width of a lobe: a thousandth of a radian.
+const LEAST_WIDTH: f32 = 5e-7;
+/// Share of their mean square that photons' coordinates vary by beside what they do, in a fit: they often lie in a plane.
+const RIDGE: f32 = 1e-3;
+
+/// Photons that came through specular surfaces to one that is not.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Guide {
+    /// In the order of the leaves of a k-d tree.
+    photons: Vec<Photon>,
+    /// Its nodes, each before those of its halves; empty without photons.
+    nodes: Vec<Node>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Photon {
+    position: Vec3A,
+    /// The specular vertex that it came from.
+    from: Vec3A,
+}
+
+#[derive(Clone, Debug)]
+enum Node {
+    /// Places with a coordinate below this one are in the next node, others in the one of this number.
+    Halves { axis: usize, at: f32, other: usize },
+    /// The photons of these numbers, and their fit.
+    Leaf(Range<usize>, Fit),
+}
+
+/// Directions as a linear function of the place.
+#[derive(Clone, Copy, Debug)]
+struct Fit {
+    place: Vec3A,
+    direction: Vec3A,
+    gradient: Mat3A,
+    width: f32,
+}
+
+impl Guide {
+    /// From so many light subpaths of at most `max_edges` edges, if the scene has a specular surface; and the rays that they took.
+    pub(crate) fn new(view: &View, lights: &LightRegion, (walks, max_edges): (u64, usize), seed: u64) -> (Self, u64) {
+        let walks = if view.scene.needs().specular { walks } else { 0 };
+        let walk = |i| {
+            let before = rays_traced();
+            let photon = photon(view, lights, max_edges, &mut generator(seed, Purpose::Sample, ROUND, 0, i));
+            (photon, rays_traced() - before)
+        };
+        let walks: Vec<_> = (0..walks).into_par_iter().map(walk).collect();
+        let mut guide = Self { photons: walks.iter().filter_map(|(photon, _)| *photon).collect(), nodes: Vec::new() };
+        if !guide.photons.is_empty() {
+            guide.part(0..guide.photons.len());
+        }
+        (guide, walks.iter().map(|(_, rays)| rays).sum())
+    }
+
+    /// Draws a direction at x; nothing where there are no photons.
+    pub(crate) fn sample(&self, x: Vec3A, rng: &mut impl Rng) -> Option<Vec3A> {
+        let (photons, fit) = self.near(x)?;
+        let (fitted, chosen) = (uniform_f32(rng) < 0.5, uniform_f32(rng));
+        let of_photon = || photons[(chosen * photons.len() as f32) as usize].lobe(x);
+        let lobe = if fitted { fit.lobe(x) } else { of_photon() };
+        Some(lobe.sample(uniform_f32(rng), uniform_f32(rng)))
+    }
+
+    /// What of (G1) is not the BSDF's, times two, sr⁻¹; nothing where there are no photons.
+    pub(crate) fn density(&self, x: Vec3A, direction: Vec3A) -> Option<f32> {
+        let (photons, fit) = self.near(x)?;
+        let of_photons: f32 = photons.iter().map(|photon| photon.lobe(x).density(direction)).sum();
+        Some(0.5 * (fit.lobe(x).density(direction) + of_photons / photons.len() as f32))
+    }
+
+    /// The photons of the leaf that x is in.
+    fn near(&self, x: Vec3A) -> Option<(&[Photon], &Fit)> {
+        let mut node = 0;
+        loop {
+            match self.nodes.get(node)? {
+                &Node::Halves { axis, at, other } => node = if x[axis] < at { node + 1 } else { other },
+                Node::Leaf(photons, fit) => return Some((&self.photons[photons.clone()], fit)),
+            }
+        }
+    }
+
+    /// Makes the nodes of these photons: halves along the axis on which they lie farthest apart.
+    fn part(&mut self, range: Range<usize>) {
+        let photons = &mut self.photons[range.clone()];
+        if photons.len() <= NEAR {
+            self.nodes.push(Node::Leaf(range, Fit::new(photons)));
+            return;
+        }
+        let bounds = |(low, high): (Vec3A, Vec3A), p: &Photon| (low.min(p.position), high.max(p.position));
+        let (low, high) = photons.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), bounds);
+        let axis = (high - low).max_position();
+        photons.sort_by(|a, b| a.position[axis].total_cmp(&b.position[axis]));
+        let middle = photons.len() / 2;
+        let (at, node) = (photons[middle].position[axis], self.nodes.len());
+        self.nodes.push(Node::Halves { axis, at, other: 0 });
+        self.part(range.start..range.start + middle);
+        let next = self.nodes.len();
+        self.nodes[node] = Node::Halves { axis, at, other: next };
+        self.part(range.start + middle..range.end);
+    }
+}
+
+impl Fit {
+    /// The least squares of d_j − d̄ over G (x_j − x̄).
+    fn new(photons: &[Photon]) -> Self {
+        let n = photons.len() as f32;
+        let direction = |p: &Photon| unit(p.from - p.position);
+        let place = photons.iter().map(|p| p.position).sum::<Vec3A>() / n;
+        let mean = photons.iter().map(direction).sum::<Vec3A>() / n;
+        let outer = |a: Vec3A, b: Vec3A| Mat3A::from_cols(a * b.x, a * b.y, a * b.z);
+        let (mut of_places, mut of_both) = (Mat3A::ZERO, Mat3A::ZERO);
+        for photon in photons {
+            let (step, turn) = (photon.position - place, direction(photon) - mean);
+            of_places += outer(step, step);
+            of_both += outer(turn, step);
+        }
+        let ridge = RIDGE * (of_places.x_axis.x + of_places.y_axis.y + of_places.z_axis.z);
+        let ridged = of_places + Mat3A::from_diagonal([ridge; 3].into());
+        let gradient = if ridge > 0.0 { of_both * ridged.inverse() } else { Mat3A::ZERO };
+        let left = |p: &Photon| (direction(p) - mean - gradient * (p.position - place)).length_squared();
+        let scatter = photons.iter().map(left).sum::<f32>() / (n - 3.0).max(1.0);
+        let width = if photons.len() > 3 { 0.5 * scatter } else { 1.0 };
+        Self { place, direction: mean, gradient, width: width.clamp(LEAST_WIDTH, 1.0) }
+    }
+
+    fn lobe(&self, x: Vec3A) -> Lobe {
+        let direction = self.direction + self.gradient * (x - self.place);
+        Lobe { axis: unit(direction), width: self.width }
+    }
+}
+
+impl Photon {
+    /// Its directions at x.
+    fn lobe(&self, x: Vec3A) -> Lobe {
+        let to_specular = self.from - x;
+        let square = to_specular.length_squared().max(f32::MIN_POSITIVE);
+        let width = 0.5 * (self.position - x).length_squared() / square;
+        Lobe { axis: unit(to_specular), width: width.clamp(LEAST_WIDTH, 1.0) }
+    }
+}
+
+/// A spherical Cauchy distribution of directions.
+#[derive(Clone, Copy, Debug)]
+struct Lobe {
+    /// d.
+    axis: Vec3A,
+    /// ε.
+    width: f32,
+}
+
+impl Lobe {
+    /// By inversion of the distribution of z, z/(z + ε) (2 + ε)/2.
+    fn sample(&self, u: f32, v: f32) -> Vec3A {
+        let part = 2.0 * u / (2.0 + self.width);
+        let z = (self.width * part / (1.0 - part)).min(2.0);
+        let (about, (s, t)) = (turn(v), frame(self.axis));
+        unit((1.0 - z) * self.axis + (z * (2.0 - z)).sqrt() * (about.x * s + about.y * t))
+    }
+
+    /// q, sr⁻¹.
+    fn density(&self, direction: Vec3A) -> f32 {
+        // 1 − cosθ, without the cancellation.
+        let z = 0.5 * (direction - self.axis).length_squared();
+        self.width * (2.0 + self.width) / (4.0 * PI * (z + self.width).powi(2))
+    }
+}
+
+/// A light subpath's first vertex that is not specular, if all before it are and there are some.
+fn photon(view: &View, lights: &LightRegion, max_edges: usize, rng: &mut impl Rng) -> Option<Photon> {
+    let (x_0, _) = start_at_light(view, lights, light_numbers(rng));
+    let mut vertices = vec![x_0];
+    for i in 0..max_edges.saturating_sub(1) {
+        vertices.push(PathVertex::new(x_0.vertex));
+        step_from_light(&mut vertices, i, view, rng)?;
+        let [from, x] = [vertices[i].vertex, vertices[i + 1].vertex];
+        if !x.delta {
+            return (i > 0).then_some(Photon { position: x.position, from: from.position });
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Shares of directions within angles of the axis, counted and integrated.
+    #[test]
+    fn a_lobe_is_drawn_as_its_density_says() {
+        let n = 20_000;
+        for width in [1e-4_f32, 0.03, 1.0] {
+            let lobe = Lobe { axis: unit(Vec3A::new(0.3, -0.8, 0.5)), width };
+            let (side, _) = frame(lobe.axis);
+            let at = |z: f32| (1.0 - z) * lobe.axis + (z * (2.0 - z)).max(0.0).sqrt() * side;
+            for part in [0.3, 1.0, 20.0] {
+                let most = (part * width).min(2.0);
+                let middle = |i: u16| most * (f32::from(i) + 0.5) / 10_000.0;
+                let expected: f32 = (0..10_000).map(|i| 2.0 * PI * lobe.density(at(middle(i))) * most / 10_000.0).sum();
+                let within = |i: &u64| {
+                    let rng = &mut generator(1, Purpose::Sample, 0, 0, *i);
+                    let direction = lobe.sample(uniform_f32(rng), uniform_f32(rng));
+                    0.5 * (direction - lobe.axis).length_squared() < most
+                };
+                let (found, expected) = ((0..n).filter(within).count() as f64, f64::from(expected) * n as f64);
+                let error = (expected * (1.0 - expected / n as f64)).max(1.0).sqrt();
+                assert!((found - expected).abs() < 4.5 * error, "{width} {part}: {found} of {expected}");
+            }
+        }
+    }
+
+    /// All rays of a point behind a mirror come from the point's image, wherever they arrive: the fit knows it, single photons do not.
+    #[test]
+    fn a_fit_foretells_what_lies_between_its_photons() {
+        let image = Vec3A::new(0.2, 3.0, -0.1);
+        let photon = |i: u64| {
+            let rng = &mut generator(2, Purpose::Sample, 0, 0, i);
+            let position = Vec3A::new(uniform_f32(rng), 0.0, uniform_f32(rng)) * 0.2;
+            Photon { position, from: position + (image - position) / (image.y - position.y) }
+        };
+        let mut guide = Guide { photons: (0..NEAR as u64).map(photon).collect(), nodes: Vec::new() };
+        guide.part(0..NEAR);
+        let x = Vec3A::new(0.07, 0.0, 0.13);
+        let (photons, fit) = guide.near(x).expect("photons");
+        let right = unit(image - x);
+        assert!(fit.lobe(x).axis.distance(right) < 2e-3, "{fit:?}");
+        let of_photons = photons.iter().map(|photon| photon.lobe(x).density(right)).sum::<f32>() / NEAR as f32;
+        assert!(fit.lobe(x).density(right) > 100.0 * of_photons, "{of_photons}");
+        assert_eq!(Guide::default().density(x, right), None);
+    }
+}
