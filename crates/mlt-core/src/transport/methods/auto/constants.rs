@@ -27,10 +27,6 @@ pub(super) const MUTATIONS_PER_SAMPLE: u64 = 8;
 pub(super) const PILOT_WALKS: u64 = 2;
 /// The same for a render, as a share of its chains' work: such light is met once in many renders. docs/log/auto.md.
 pub(super) const WALKS: f64 = 0.25;
-/// Light subpaths for photons, over samples of a round; section 4.
-pub(super) const PHOTONS: f64 = 0.5;
-/// Fewest and most of them; chosen.
-pub(super) const PHOTON_WALKS: [f64; 2] = [1024.0, 16_384.0];
 /// Rounds of the pilot's chains; chosen.
 pub(super) const ROUNDS: u64 = 4;
 /// Number of the first round of the pilot's chains: far from all others.

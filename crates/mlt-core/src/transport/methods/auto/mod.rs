@@ -18,7 +18,7 @@ mod written;
 
 use super::bidirectional::Bidirectional;
 use super::counts::PilotCounts;
-use super::metropolis::{LightStratum, PathMutation};
+use super::metropolis::{LightStratum, PathMutation, guided};
 use super::path_tracing::PathTracer;
 use super::samples::mutations_per_sample;
 use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, Share, Watch};
@@ -112,7 +112,8 @@ impl Pilot<'_> {
         let pixels = f64::from(view.camera.pixels());
         let sampled = PilotCounts { mutations: 0, rays: (pixels * measured.work * measured.samples) as u64 };
 
-        let strata = &LightStratum::of_kinds(strata, IN_VIEW.others(), (view, &self.common.guide), self.max_edges);
+        let strata = LightStratum::of_kinds(strata, IN_VIEW.others(), view, self.max_edges);
+        let strata = &guided(strata, &self.common.guide);
         let mutations = ((MUTATIONS * pixels / strata.len().max(1) as f64) as u64).max(LEAST_CHAIN);
         let taken = Taken { importance: &self.common.importance, view, lights: &self.common.lights, split };
         let weigh = |chained: &[f64]| {

@@ -1,7 +1,6 @@
 //! Renders as a plan says.
 
 use super::Pilot;
-use super::constants::{PHOTON_WALKS, PHOTONS};
 use super::plan::{Plan, Summary};
 use super::split::{IN_VIEW, Rest, Split, Taken};
 use crate::engine::{Counted, DecodeError, Mixture, Outcome, Reader, Watch};
@@ -10,7 +9,7 @@ use crate::transport::lights::LightRegion;
 use crate::transport::methods::bidirectional::Guide;
 use crate::transport::methods::counts::PilotCounts;
 use crate::transport::methods::independent::{AllPaths, Independent};
-use crate::transport::methods::metropolis::{LightStratum, PathMutation};
+use crate::transport::methods::metropolis::{LightStratum, PathMutation, guided};
 use crate::transport::methods::path_tracing::PathTracer;
 use crate::transport::methods::run::{Run, metropolis};
 use crate::transport::methods::samples::paired;
@@ -43,9 +42,7 @@ impl Common {
     /// With the rays that the guide took.
     fn new(view: View, settings: &Settings, importance: PixelImportance) -> (Self, u64) {
         let lights = LightRegion::whole(view.scene.lights());
-        let samples = settings.per_pixel * f64::from(view.camera.pixels());
-        let walks = (PHOTONS * samples).clamp(PHOTON_WALKS[0], PHOTON_WALKS[1]) as u64;
-        let (guide, rays) = Guide::new(&view, &lights, (walks, settings.most_edges()), settings.seed);
+        let (guide, rays) = Guide::new(&view, settings, &lights);
         (Self { importance, lights, guide }, rays)
     }
 }
@@ -109,7 +106,8 @@ impl<'a> Auto<'a> {
             return run.independent(&samples, self.pilot);
         }
         let samples = Independent { sampler, selection: Rest(&self.split), samples_per_pixel, seed };
-        let strata = LightStratum::of_kinds(&plan.strata, IN_VIEW.others(), (view, guide), self.settings.most_edges());
+        let strata = LightStratum::of_kinds(&plan.strata, IN_VIEW.others(), view, self.settings.most_edges());
+        let strata = guided(strata, guide);
         let (strata, mixture) = (paired(strata, &plan.shares), Mixture::new(PathMutation::all(view)));
         let taken = Taken { importance, view, lights, split: &self.split };
         run.mixture(samples, metropolis(&strata, &mixture, &taken, seed), self.pilot)

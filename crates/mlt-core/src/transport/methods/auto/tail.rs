@@ -139,7 +139,6 @@ mod tests {
     use crate::transport::colour::Rgb;
     use crate::transport::image::PixelImportance;
     use crate::transport::lights::{LightRegion, LightStrata, Stratification};
-    use crate::transport::methods::bidirectional::Guide;
     use crate::transport::scene::View;
     use crate::transport::tests::worlds::{lambert, mirror, room};
 
@@ -167,8 +166,7 @@ mod tests {
             let split = Split::new(&Levels::even(0.02), [1, 1], 6);
             let taken = Taken { importance: &importance, view, lights: &lights, split: &split };
             let parts = LightStrata::new(view.scene.lights(), Stratification::None);
-            let guide = Guide::default();
-            let strata = LightStratum::of_kinds(&parts, IN_VIEW.others(), (view, &guide), 6);
+            let strata = LightStratum::of_kinds(&parts, IN_VIEW.others(), view, 6);
             let told: Vec<Told> = (0..24)
                 .map(|seed| {
                     Tail { taken, weights: &[2.0], seed }.measure(&strata, 32_000, Watch::NEVER).expect("runs").0

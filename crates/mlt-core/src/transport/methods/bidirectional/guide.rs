@@ -16,6 +16,7 @@
 use crate::engine::{PILOT, Purpose, generator, uniform_f32};
 use crate::transport::geometry::math::{frame, turn, unit};
 use crate::transport::lights::LightRegion;
+use crate::transport::methods::settings::Settings;
 use crate::transport::paths::PathVertex;
 use crate::transport::paths::subpath::{light_numbers, start_at_light, step_from_light};
 use crate::transport::scene::{View, rays_traced};
@@ -27,6 +28,10 @@ use std::ops::Range;
 
 /// Most photons that a place takes its directions from.
 const NEAR: usize = 16;
+/// Light subpaths for a sample of a round: they take a small part of its time.
+const PHOTONS: f64 = 0.5;
+/// Fewest and most of them.
+const LIMITS: [f64; 2] = [1024.0, 16_384.0];
 /// Number of a round that nothing else has.
 const ROUND: u64 = PILOT + (1 << 41);
 /// Least width of a lobe: a thousandth of a radian.
@@ -68,9 +73,16 @@ struct Fit {
 }
 
 impl Guide {
-    /// From so many light subpaths of at most `max_edges` edges, if the scene has a specular surface; and the rays that they took.
-    pub(crate) fn new(view: &View, lights: &LightRegion, (walks, max_edges): (u64, usize), seed: u64) -> (Self, u64) {
+    /// For a render, and the rays that it took; empty if the scene has no specular surface.
+    pub(crate) fn new(view: &View, settings: &Settings, lights: &LightRegion) -> (Self, u64) {
+        let samples = settings.per_pixel * f64::from(view.camera.pixels());
+        let walks = (PHOTONS * samples).clamp(LIMITS[0], LIMITS[1]) as u64;
         let walks = if view.scene.needs().specular { walks } else { 0 };
+        Self::of_walks(view, lights, (walks, settings.most_edges()), settings.seed)
+    }
+
+    /// From so many light subpaths of at most `max_edges` edges, and the rays that they took.
+    fn of_walks(view: &View, lights: &LightRegion, (walks, max_edges): (u64, usize), seed: u64) -> (Self, u64) {
         let walk = |i| {
             let before = rays_traced();
             let photon = photon(view, lights, max_edges, &mut generator(seed, Purpose::Sample, ROUND, 0, i));

@@ -94,6 +94,7 @@ mod tests {
     use crate::engine::{Importance, Purpose, generator};
     use crate::transport::colour::Rgb;
     use crate::transport::lights::LightRegion;
+    use crate::transport::methods::settings::{Method, Settings};
     use crate::transport::paths::Luminance;
     use crate::transport::paths::mis::met_by_chance;
     use crate::transport::tests::worlds::{glass, lambert, mirror, room, two_lights};
@@ -131,8 +132,8 @@ mod tests {
         let (mut gain, mut wrong) = (0.0_f64, 0.0_f64);
         for world in worlds {
             let (view, region) = (world.view(), &LightRegion::whole(world.scene.lights()));
-            let (guide, rays) = Guide::new(&view, region, (4096, 8), 1);
-            assert!(rays >= 4096);
+            let (guide, rays) = Guide::new(&view, &Settings::new(Method::Auto, 16.0), region);
+            assert!(rays > 1024);
             let sampler = Bidirectional { view, region, max_edges: 8 };
             let [free, _] = moments(ByChance { sampler, guide: None }, 1_000_000);
             let [guided, control] = moments(ByChance { sampler, guide: Some(&guide) }, 1_000_000);

@@ -1,12 +1,13 @@
 //! Chains of a render and of its pilot.
 
 use super::mutate::PathMutation;
-use super::stratum::{LightStratum, with_met};
+use super::stratum::{LightStratum, guided, with_met};
 use super::variant::Variant;
 use crate::engine::{MUTATIONS_PER_SAMPLE, Metropolis, Mixture, Share, Watch, shares_by_power};
 use crate::transport::image::{PixelImportance, error_weights};
-use crate::transport::lights::{LightRegion, LightStrata};
+use crate::transport::lights::{LightRegion, LightStrata, Stratification};
 use crate::transport::methods::adapt::{Adaptation, Adapted, Pilot, Weights};
+use crate::transport::methods::bidirectional::Guide;
 use crate::transport::methods::run::metropolis;
 use crate::transport::methods::samples::{Samples, fitted_shares, mutations_per_sample, paired};
 use crate::transport::methods::settings::Settings;
@@ -21,11 +22,19 @@ pub(super) struct PathChains<'a> {
     importance: PixelImportance,
     /// All lights.
     lights: LightRegion,
+    /// Where light that is met by chance comes from, if that is a stratum of its own.
+    guide: Guide,
 }
 
 impl<'a> PathChains<'a> {
-    pub(super) fn new(view: View<'a>, settings: Settings, importance: PixelImportance) -> Self {
-        Self { view, settings, importance, lights: LightRegion::whole(view.scene.lights()) }
+    /// With the rays that a guide took.
+    pub(super) fn new(view: View<'a>, settings: Settings, importance: PixelImportance) -> (Self, u64) {
+        let lights = LightRegion::whole(view.scene.lights());
+        let (guide, rays) = match settings.stratification {
+            Stratification::None => Default::default(),
+            _ => Guide::new(&view, &settings, &lights),
+        };
+        (Self { view, settings, importance, lights, guide }, rays)
     }
 
     pub(super) fn importance(&self) -> &PixelImportance {
@@ -52,7 +61,7 @@ impl<'a> PathChains<'a> {
                 shares_by_power(&strata, mutations, mutations_per_sample(view, MUTATIONS_PER_SAMPLE))
             },
             measure: &|parts, shares, rounds| {
-                let strata = LightStratum::product(parts, view, max_edges, classes);
+                let strata = self.product(parts);
                 let shares = with_met(&strata, shares.to_vec());
                 let (strata, mixture) = (paired(strata, &shares), self.mutations());
                 let estimator = self.estimator(&strata, &mixture);
@@ -72,11 +81,17 @@ impl<'a> PathChains<'a> {
 
     /// The strata of paths over parts of the lights.
     pub(super) fn strata<'s>(&'s self, parts: &'s LightStrata) -> Vec<LightStratum<'s>> {
-        let (view, max_edges) = (self.view, self.settings.most_edges());
         match self.settings.variant {
-            Variant::Stratified => LightStratum::product(parts, view, max_edges, self.settings.classes),
-            Variant::MutationOnly => vec![LightStratum::mutation_only(parts, &self.lights, view, max_edges)],
+            Variant::Stratified => self.product(parts),
+            Variant::MutationOnly => {
+                vec![LightStratum::mutation_only(parts, &self.lights, self.view, self.settings.most_edges())]
+            }
         }
+    }
+
+    fn product<'s>(&'s self, parts: &'s LightStrata) -> Vec<LightStratum<'s>> {
+        let (view, max_edges) = (self.view, self.settings.most_edges());
+        guided(LightStratum::product(parts, view, max_edges, self.settings.classes), &self.guide)
     }
 
     pub(super) fn mutations<'s>(&self) -> Mixture<LightPath, LightStratum<'s>, PathMutation<'a>> {

@@ -5,6 +5,7 @@ pub mod mutate;
 pub(super) mod stratum;
 pub(super) mod variant;
 
+use super::counts::PilotCounts;
 use super::found::Found;
 use super::run::Run;
 use super::samples::paired;
@@ -14,6 +15,7 @@ use crate::engine::{DecodeError, Outcome, Reader, Watch};
 use crate::transport::image::PixelImportance;
 use crate::transport::scene::View;
 use chains::PathChains;
+pub(crate) use stratum::guided;
 use stratum::with_met;
 
 pub use super::adapt::{Adaptation, Weights};
@@ -32,10 +34,11 @@ impl<'a> PathMetropolis<'a> {
     /// Chooses the strata and their shares. The pilot, if the settings ask for one, runs here; nothing if it is stopped.
     pub fn new(view: View<'a>, settings: Settings, watch: Watch) -> Option<Self> {
         let importance = importance(view, &settings, watch)?;
-        let chains = PathChains::new(view, settings, importance);
+        let (chains, rays) = PathChains::new(view, settings, importance);
         let Found { strata, shares, pilot } =
             Found::new(chains.adapt(watch)?, |strata| chains.shares_by_power(strata, watch))?;
         let shares = with_met(&chains.strata(&strata), shares);
+        let pilot = pilot + PilotCounts { mutations: 0, rays };
         Some(Self { chains, found: Found { strata, shares, pilot } })
     }
 
@@ -47,7 +50,7 @@ impl<'a> PathMetropolis<'a> {
     ) -> Result<Self, DecodeError> {
         let importance = PixelImportance::read(view.camera.pixels(), from)?;
         let found = Found::read(view, &settings, from)?;
-        let chains = PathChains::new(view, settings, importance);
+        let (chains, _) = PathChains::new(view, settings, importance);
         match chains.strata(&found.strata).len() == found.shares.len() {
             true => Ok(Self { chains, found }),
             false => Err(DecodeError::Damaged),

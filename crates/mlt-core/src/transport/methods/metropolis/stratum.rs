@@ -67,20 +67,14 @@ impl<'a> LightStratum<'a> {
         classes.all(max_edges, view.scene.needs().specular && parts == 1)
     }
 
-    /// The paths of some kinds in each of the lights' parts; after them, where there is a specular surface, what is met by chance, by
-    /// subpaths that are guided.
-    pub(crate) fn of_kinds(
-        strata: &'a LightStrata,
-        kinds: Kinds,
-        (view, guide): (View<'a>, &'a Guide),
-        max_edges: usize,
-    ) -> Vec<Self> {
+    /// The paths of some kinds in each of the lights' parts; after them, where there is a specular surface, what is met by chance.
+    pub(crate) fn of_kinds(strata: &'a LightStrata, kinds: Kinds, view: View<'a>, max_edges: usize) -> Vec<Self> {
         let apart = view.scene.needs().specular;
         let held = |index| if apart { Held::Connected(index) } else { Held::Part(index) };
         let parts = (0..).zip(strata.regions()).map(|(index, region)| (held(index), region));
         let met = apart.then_some((Held::Met, strata.whole()));
         let of_part = |part| Self::new(strata, part, PathClass::of_kinds(kinds), view, max_edges);
-        parts.chain(met).map(of_part).map(|stratum| Self { guide: Some(guide), ..stratum }).collect()
+        parts.chain(met).map(of_part).collect()
     }
 
     fn new(
@@ -206,6 +200,11 @@ impl Stratum<LightPath> for LightStratum<'_> {
         let parts = if self.is_met() { self.strata.regions().len() } else { 1 };
         self.sampler.region.power() / parts as f64 * self.image_area()
     }
+}
+
+/// Strata whose samples of what is met by chance follow a guide.
+pub(crate) fn guided<'a>(strata: Vec<LightStratum<'a>>, guide: &'a Guide) -> Vec<LightStratum<'a>> {
+    strata.into_iter().map(|stratum| LightStratum { guide: Some(guide), ..stratum }).collect()
 }
 
 /// Shares in which what is met by chance has as many samples as all other strata: as many as it would have if nothing were cut.
