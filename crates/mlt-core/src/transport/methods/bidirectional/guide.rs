@@ -1,17 +1,16 @@
 //! Where light comes from that mirrors and lenses gather, as photons tell.
 //!
-//! Paths that nothing but a camera subpath meets (L S D S E) need a direction at D that goes through S into the lamp. Few have one: a
-//! lamp over a pool, seen from the water, is met once in ten thousand. Light subpaths that go to D know those directions. They are kept as
-//! photons, at D with the last specular vertex before it. A camera subpath that comes to D takes its direction from those around it:
+//! A path that nothing but a camera subpath meets (L S D S E) needs a direction at D that goes through S into the lamp. Light subpaths
+//! that go to D know such directions. They are kept as photons, at D with the last specular vertex before it. A camera subpath that comes
+//! to D takes its direction from the photons around it, or by the BSDF:
 //!
-//! p(ω) = ½ p_s(ω) + ¼ q(ω; d, ε) + ¼ 1/n Σ_j q(ω; d_j, ε_j),   q(ω; d, ε) = ε (2 + ε)/(4π (1 − ω·d + ε)²)          (G1)
+//! p(ω) = ½ p_s(ω) + ¼ q(ω; d, ε) + ¼ 1/n Σ_j q(ω; d_j, ε_j)                                                       (G1)
 //!
-//! with p_s the density by the BSDF. d_j points to the specular vertex of photon j, and ε_j is the width that its distance from D makes likely. d is
-//! what a linear function of the place foretells, fitted to all of them, ε the scatter about it: light of one lamp through one surface is
-//! smooth, and that many times as sure. q is the spherical Cauchy distribution: its tails are heavy, so that photons that mislead do no harm. Photons
-//! are made once, before all rounds, by random numbers of their own, so rounds stay independent and unbiased whatever they tell.
+//! with q a spherical Cauchy distribution ([`Lobe`]) about the direction d that a linear [`Fit`] foretells, or about the direction to
+//! the specular vertex of each photon. Photons are made once, before all rounds, by random numbers of their own, so rounds stay independent
+//! and unbiased whatever they tell.
 //!
-//! Sources: [Jensen95], photons as a guide for path tracing; [KatoMcCullagh20], the distribution.
+//! docs/theory-strata.md, section 8. Sources: [Jensen95], photons as a guide for path tracing; [KatoMcCullagh20], the distribution.
 
 use crate::engine::{PILOT, Purpose, generator, uniform_f32};
 use crate::transport::geometry::math::{frame, turn, unit};
@@ -20,7 +19,7 @@ use crate::transport::methods::settings::Settings;
 use crate::transport::paths::PathVertex;
 use crate::transport::paths::subpath::{light_numbers, start_at_light, step_from_light};
 use crate::transport::scene::{View, rays_traced};
-use glam::{Mat3A, Vec3A};
+use glam::{Mat3A, Vec3, Vec3A};
 use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -36,8 +35,10 @@ const LIMITS: [f64; 2] = [1024.0, 16_384.0];
 const ROUND: u64 = PILOT + (1 << 41);
 /// Least width of a lobe: a thousandth of a radian.
 const LEAST_WIDTH: f32 = 5e-7;
-/// Share of their mean square that photons' coordinates vary by beside what they do, in a fit: they often lie in a plane.
+/// Share of their mean square that is added to that of photons' places in a fit: they often lie in a plane.
 const RIDGE: f32 = 1e-3;
+/// Numbers that a fit of one coordinate in a plane has.
+const PARAMETERS: f32 = 3.0;
 
 /// Photons that came through specular surfaces to one that is not.
 #[derive(Clone, Debug, Default)]
@@ -66,9 +67,15 @@ enum Node {
 /// Directions as a linear function of the place.
 #[derive(Clone, Copy, Debug)]
 struct Fit {
+    /// x̄.
     place: Vec3A,
+    /// One over the root of the mean square of |x_j − x̄|: places are scaled by it, as scenes are of all sizes.
+    scale: f32,
+    /// d̄.
     direction: Vec3A,
+    /// G, over scaled places.
     gradient: Mat3A,
+    /// ε.
     width: f32,
 }
 
@@ -145,31 +152,28 @@ impl Guide {
 }
 
 impl Fit {
-    /// The least squares of d_j − d̄ over G (x_j − x̄).
+    /// The least squares of d_j − d̄ = G (x_j − x̄).
     fn new(photons: &[Photon]) -> Self {
         let n = photons.len() as f32;
-        let direction = |p: &Photon| unit(p.from - p.position);
+        let direction = |p: &Photon| Lobe::towards(p.from - p.position, 1.0).axis;
         let place = photons.iter().map(|p| p.position).sum::<Vec3A>() / n;
         let mean = photons.iter().map(direction).sum::<Vec3A>() / n;
+        let square = photons.iter().map(|p| (p.position - place).length_squared()).sum::<f32>() / n;
+        let scale = if square > 0.0 { square.sqrt().recip() } else { 0.0 };
+        let step = |p: &Photon| scale * (p.position - place);
         let outer = |a: Vec3A, b: Vec3A| Mat3A::from_cols(a * b.x, a * b.y, a * b.z);
-        let (mut of_places, mut of_both) = (Mat3A::ZERO, Mat3A::ZERO);
-        for photon in photons {
-            let (step, turn) = (photon.position - place, direction(photon) - mean);
-            of_places += outer(step, step);
-            of_both += outer(turn, step);
-        }
-        let ridge = RIDGE * (of_places.x_axis.x + of_places.y_axis.y + of_places.z_axis.z);
-        let ridged = of_places + Mat3A::from_diagonal([ridge; 3].into());
-        let gradient = if ridge > 0.0 { of_both * ridged.inverse() } else { Mat3A::ZERO };
-        let left = |p: &Photon| (direction(p) - mean - gradient * (p.position - place)).length_squared();
-        let scatter = photons.iter().map(left).sum::<f32>() / (n - 3.0).max(1.0);
-        let width = if photons.len() > 3 { 0.5 * scatter } else { 1.0 };
-        Self { place, direction: mean, gradient, width: width.clamp(LEAST_WIDTH, 1.0) }
+        let of_places = photons.iter().map(|p| outer(step(p), step(p))).sum::<Mat3A>();
+        let of_both = photons.iter().map(|p| outer(direction(p) - mean, step(p))).sum::<Mat3A>();
+        let gradient = of_both * (of_places + Mat3A::from_diagonal(Vec3::splat(n * RIDGE))).inverse();
+        let left = |p: &Photon| (direction(p) - mean - gradient * step(p)).length_squared();
+        let scatter = photons.iter().map(left).sum::<f32>() / (n - PARAMETERS).max(1.0);
+        let width = if n > PARAMETERS { 0.5 * scatter } else { 1.0 };
+        Self { place, scale, direction: mean, gradient, width }
     }
 
+    /// The directions that it foretells at x.
     fn lobe(&self, x: Vec3A) -> Lobe {
-        let direction = self.direction + self.gradient * (x - self.place);
-        Lobe { axis: unit(direction), width: self.width }
+        Lobe::towards(self.direction + self.gradient * (self.scale * (x - self.place)), self.width)
     }
 }
 
@@ -178,12 +182,11 @@ impl Photon {
     fn lobe(&self, x: Vec3A) -> Lobe {
         let to_specular = self.from - x;
         let square = to_specular.length_squared().max(f32::MIN_POSITIVE);
-        let width = 0.5 * (self.position - x).length_squared() / square;
-        Lobe { axis: unit(to_specular), width: width.clamp(LEAST_WIDTH, 1.0) }
+        Lobe::towards(to_specular, 0.5 * (self.position - x).length_squared() / square)
     }
 }
 
-/// A spherical Cauchy distribution of directions.
+/// A spherical Cauchy distribution of directions, of density q = ε (2 + ε)/(4π (1 − ω·d + ε)²).
 #[derive(Clone, Copy, Debug)]
 struct Lobe {
     /// d.
@@ -193,6 +196,16 @@ struct Lobe {
 }
 
 impl Lobe {
+    /// About a vector; about any direction, and wide, where that is none.
+    fn towards(vector: Vec3A, width: f32) -> Self {
+        match vector.length_squared() {
+            square if square > 0.0 && square.is_finite() => {
+                Self { axis: unit(vector), width: width.clamp(LEAST_WIDTH, 1.0) }
+            }
+            _ => Self { axis: Vec3A::Z, width: 1.0 },
+        }
+    }
+
     /// By inversion of the distribution of z, z/(z + ε) (2 + ε)/2.
     fn sample(&self, u: f32, v: f32) -> Vec3A {
         let part = 2.0 * u / (2.0 + self.width);
@@ -270,5 +283,24 @@ mod tests {
         let of_photons = photons.iter().map(|photon| photon.lobe(x).density(right)).sum::<f32>() / NEAR as f32;
         assert!(fit.lobe(x).density(right) > 100.0 * of_photons, "{of_photons}");
         assert_eq!(Guide::default().density(x, right), None);
+    }
+
+    /// Photons at one place, some of which came from there, and rooms of any size.
+    #[test]
+    fn directions_are_directions_wherever_photons_lie() {
+        for size in [0.0, 1e-12, 1.0, 1e12] {
+            let at = |i: usize| Vec3A::new((i % 3) as f32, 0.0, (i % 5) as f32) * size;
+            let photon = |i: usize| Photon { position: at(i), from: at(i) + Vec3A::Y * size * (i % 2) as f32 };
+            for count in [1, 2, 5, 40] {
+                let mut guide = Guide { photons: (0..count).map(photon).collect(), nodes: Vec::new() };
+                guide.part(0..count);
+                for i in 0..20 {
+                    let direction = guide.sample(at(i), &mut generator(3, Purpose::Sample, 0, 0, i as u64));
+                    let density = direction.and_then(|direction| guide.density(at(i), direction));
+                    assert!(direction.is_some_and(|d| (d.length() - 1.0).abs() < 1e-5), "{size} {count} {direction:?}");
+                    assert!(density.is_some_and(|p| p > 0.0 && p.is_finite()), "{size} {count} {density:?}");
+                }
+            }
+        }
     }
 }
