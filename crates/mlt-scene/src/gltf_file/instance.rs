@@ -2,6 +2,7 @@
 
 use super::accessor::{Reader, Vectors};
 use super::graph::{Placed, place};
+use super::rotation::rotation;
 use crate::SceneError;
 use glam::{DMat4, DQuat, DVec3};
 use gltf::{Accessor, Document, Node};
@@ -50,11 +51,4 @@ pub(super) fn places(
         *to_world * DMat4::from_scale_rotation_translation(scale, rotation, translation)
     };
     Ok((0..count(document, node) as u32).map(copy).collect())
-}
-
-/// A rotation of any length, as a unit quaternion.
-pub(super) fn rotation(q: [f32; 4]) -> DQuat {
-    let q = DQuat::from_array(q.map(f64::from));
-    let length = q.length();
-    if length > 0.0 && length.is_finite() { q / length } else { DQuat::IDENTITY }
 }
