@@ -120,7 +120,7 @@ a: luminance of the reference, b: luminance of the image, means over the pixels.
   relMSE        mean (a-b)^2 / (a^2 + 0.01)
   MAPE          mean |a-b| / max(a, 0.001), as a fraction
   mean ratio    mean b / mean a
-  FLIP          mean HDR-FLIP of linear images, the reference choosing the exposures; LDR-FLIP if both are PNG or JPEG")]
+  FLIP          mean HDR-FLIP, with the reference's exposures; of PNG and JPEG mean LDR-FLIP")]
 pub struct DiffOptions {
     /// The image that is taken for true: OpenEXR, Radiance HDR, PNG or JPEG
     pub reference: PathBuf,

@@ -39,7 +39,7 @@ pub(super) fn places(
     };
     let [translations, rotations, scales] = [read("TRANSLATION")?, read("ROTATION")?, read("SCALE")?];
     if [&translations, &rotations, &scales].iter().all(|found| found.is_none()) {
-        warnings.push(format!("{}: {NAME} says not where its copies are; there is one, at the node", place(node)));
+        warnings.push(format!("{}: {NAME} does not say where its copies are; there is one, at the node", place(node)));
         return Ok(vec![*to_world]);
     }
     let vector = |found: &Option<Rc<Vectors>>, i: u32, usual: DVec3| {
