@@ -16,7 +16,7 @@ use super::{
 Each method renders the scene many times with different seeds, as 'mlt render SCENE' does it unless options say otherwise, and so does a \
 method that shares little code with it. Reported are:
 
-  - whether the two have the same mean image, region by region, and how small an error would have been noticed
+  - whether the two have the same mean image, and how small an error would have been noticed
   - whether rounds and chains agree
   - whether 95 % error bars hold the truth in 95 % of the pixels
   - how far the worst seed is from the median
