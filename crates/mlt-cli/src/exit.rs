@@ -38,6 +38,11 @@ impl Failure {
         Self::Run(anyhow::anyhow!(message))
     }
 
+    /// A render that is stopped before anything is worth keeping.
+    pub(crate) fn too_early() -> Self {
+        Self::InterruptedEarly(anyhow::anyhow!("interrupted before the first round was finished; nothing is written"))
+    }
+
     /// Says on standard error what is wrong and gives the exit code.
     pub(crate) fn report(&self) -> ExitCode {
         let code = match self {

@@ -42,7 +42,7 @@ pub fn main() -> ExitCode {
     interrupt::outlive_file_limits();
     let words: Vec<_> = std::env::args_os().collect();
     // Help and objections have colours, too.
-    terminal::choose_colour(args::line::colour(&words));
+    terminal::choose_colour(args::line::colour(&words).into());
     let outcome = args::line::completed(words).and_then(|words| match args::Cli::try_parse_from(words) {
         Ok(cli) => run(&cli),
         Err(error) => usage::answer(&error),

@@ -7,19 +7,12 @@ use anstyle::{AnsiColor, Style};
 use anyhow::Context;
 use mlt_scene::{MOST_OF_A_MESSAGE, printable};
 
-use crate::args::Colour;
-
 /// The most warnings that are shown.
 const MOST_WARNINGS: usize = 20;
 
 /// Decides whether messages and help have colours from here on; by itself where the terminal shows them, unless NO_COLOR is set.
-pub(crate) fn choose_colour(colour: Colour) {
-    match colour {
-        Colour::Auto => ColorChoice::Auto,
-        Colour::Always => ColorChoice::Always,
-        Colour::Never => ColorChoice::Never,
-    }
-    .write_global();
+pub(crate) fn choose_colour(choice: ColorChoice) {
+    choice.write_global();
 }
 
 /// Writes text with escape sequences for colours to standard output, without them where they are not wanted.

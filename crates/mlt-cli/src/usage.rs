@@ -3,12 +3,12 @@
 use std::num::ParseIntError;
 
 use clap::{
-    Arg, CommandFactory, Error,
+    Arg, Args, Command, Error,
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use mlt_scene::meant;
 
-use crate::{Failure, args::Cli, terminal};
+use crate::{Failure, args::render::RenderOptions, terminal};
 
 /// Prints what clap shows on request (help, version); what it objects to becomes one sentence.
 pub(crate) fn answer(error: &Error) -> Result<(), Failure> {
@@ -80,21 +80,19 @@ fn bare(name: &str) -> &str {
 
 /// Whether `mlt render` has this option.
 fn renders(option: &str) -> bool {
-    let program = Cli::command();
-    let render = program.find_subcommand("render");
     let has_name = |argument: &Arg| {
         let names = argument.get_long_and_visible_aliases().unwrap_or_default();
         names.contains(&bare(option))
     };
-    render.is_some_and(|render| render.get_arguments().any(has_name))
+    RenderOptions::augment_args(Command::new("render")).get_arguments().any(has_name)
 }
 
 /// The command whose usage clap shows, such as `mlt render`.
 fn command(error: &Error) -> String {
     let text = error.render().to_string();
     let usage = text.split("Usage: ").nth(1).unwrap_or_default();
-    let name = usage.split_whitespace().nth(1).unwrap_or_default();
-    if Cli::command().find_subcommand(name).is_some() { format!("mlt {name}") } else { "mlt".into() }
+    let name = usage.split_whitespace().nth(1).filter(|word| word.starts_with(char::is_alphabetic));
+    name.map_or_else(|| "mlt".into(), |name| format!("mlt {name}"))
 }
 
 /// The part of clap's message before its usage lines, on one line and without the leading "error: ".
@@ -111,6 +109,7 @@ pub(crate) fn one_sentence(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::Cli;
 
     fn said(line: &str) -> String {
         let words = std::iter::once("mlt").chain(line.split_whitespace());

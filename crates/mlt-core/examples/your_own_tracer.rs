@@ -34,7 +34,7 @@ fn trace(rng: &mut impl RngCore) -> (u32, f64) {
 
 // The adapter.
 
-/// A stream of recorded numbers, seen through rand 0.9's trait.
+/// A stream of recorded numbers, seen through rand 0.9's trait. That of rand 0.8 asks for `try_fill_bytes` besides.
 struct Recorded<'a>(&'a mut Stream);
 
 impl RngCore for Recorded<'_> {

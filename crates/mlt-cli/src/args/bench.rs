@@ -16,11 +16,13 @@ use super::{
 #[command(group = ArgGroup::new("budget").args(["times", "mutations", "rays", "paper"]).required(true))]
 #[command(group = ArgGroup::new("truth").args(["references", "reference_time", "reference_samples"]))]
 #[command(after_help = "\
-The folder gets report.html (one file, for a browser), results.csv and results.json (a row a run), charts/ (SVG), images/ and runs.jsonl.
-The last is written after each run: the same command goes on where an earlier one stopped. Delete the folder after a change
-to a scene or to the program.
-With budgets in mutations or rays, the same command makes the same report.html on one machine, bit for bit; with budgets in
-seconds it charts speed.")]
+FOLDER gets report.html (one file, for a browser), results.csv and results.json (a row a run), charts/ (SVG), images/ and runs.jsonl.
+
+The last is written after each run: the same command goes on where an earlier one stopped. Delete the folder after a change to a scene \
+or to the program.
+
+With budgets in mutations or rays, the same command makes the same report.html on one machine, bit for bit. With budgets in seconds it \
+charts speed.")]
 pub struct BenchOptions {
     /// glTF or OBJ files, or names of built-in scenes
     #[arg(value_name = "SCENE")]

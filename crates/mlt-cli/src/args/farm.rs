@@ -11,7 +11,8 @@ const MOST_PARTS: u64 = 1_000_000;
 
 const EXAMPLES: &str = "\
 Examples:
-  mlt farm slurm --shards 100 -- room.glb --samples-per-pixel 1024 -o room.exr > room.sh     then: sh room.sh
+  mlt farm slurm --shards 100 -- room.glb --samples-per-pixel 1024 -o room.exr > room.sh
+  sh room.sh
   mlt farm openjd --shards 100 -- room.glb --samples-per-pixel 1024 -o room.exr > room.json
   mlt farm slurm -- walk.glb --frames 1-240 --samples-per-pixel 256 -o walk.####.exr > walk.sh
 

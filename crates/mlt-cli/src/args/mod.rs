@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use anstream::ColorChoice;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 pub mod aperture;
@@ -74,6 +75,16 @@ pub enum Colour {
     Never,
 }
 
+impl From<Colour> for ColorChoice {
+    fn from(colour: Colour) -> Self {
+        match colour {
+            Colour::Auto => Self::Auto,
+            Colour::Always => Self::Always,
+            Colour::Never => Self::Never,
+        }
+    }
+}
+
 /// The program's commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -109,7 +120,7 @@ a: luminance of the reference, b: luminance of the image, means over the pixels.
   relMSE        mean (a-b)^2 / (a^2 + 0.01)
   MAPE          mean |a-b| / max(a, 0.001), as a fraction
   mean ratio    mean b / mean a
-  FLIP          mean HDR-FLIP of linear images, the reference choosing the exposures; LDR-FLIP if both are PNG or JPEG")]
+  FLIP          mean HDR-FLIP, with the reference's exposures; of PNG and JPEG mean LDR-FLIP")]
 pub struct DiffOptions {
     /// The image that is taken for true: OpenEXR, Radiance HDR, PNG or JPEG
     pub reference: PathBuf,

@@ -28,16 +28,18 @@ Examples:
 
 const EXAMPLES: &str = "\
 Examples:
-  mlt render                                       the built-in Cornell box, as cornell.exr and cornell.png
+  mlt render                                       the Cornell box, as cornell.exr and cornell.png
   mlt render room.glb --error 2% -o room.png       until the estimated error is 2 %
   mlt render room.obj --camera-from 4,3,6 --camera-to 0,1,0 --fov 40
   mlt render ring --strata 4x4 --time 1m           each light cut into 4x4 strata, for a minute
 
   mlt render room.glb --time 8h --checkpoint room.mltp
   mlt render room.glb --time 1h --resume room.mltp another hour for it, or what a crash has cut off
-  mlt render room.glb --shard 2/3 -o part2.mltp    one of three machines; then mlt merge part?.mltp -o room.exr
+  mlt render room.glb --shard 2/3 -o part2.mltp    one of three machines
+  mlt merge part?.mltp -o room.exr                 the image of all three parts
 
 Ctrl-C or SIGTERM ends a render early and writes what it has; a second one ends it at once and writes nothing.
+
 Exit codes: 0 done, 1 failed, 2 wrong usage or a scene that cannot be read, 130 interrupted, 143 by SIGTERM.";
 
 /// Options of `mlt render`.
@@ -58,7 +60,7 @@ pub struct RenderOptions {
 
     /// Stop after this many samples per pixel
     ///
-    /// Independent samples of bdpt and pt, and work worth as many of pt of auto; other methods make as many mutations.
+    /// Of bdpt and pt they are independent samples; auto does as much work as pt does for so many; other methods make as many mutations.
     #[arg(long, visible_alias = "spp", alias = "samples", value_name = "N", value_parser = per_pixel)]
     #[arg(help_heading = heading::BUDGET)]
     pub samples_per_pixel: Option<f64>,

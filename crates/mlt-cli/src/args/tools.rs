@@ -18,7 +18,8 @@ pub struct ScenesOptions {
 #[command(after_help = "\
 Where they go:
   bash        mlt completions bash > ~/.local/share/bash-completion/completions/mlt
-  zsh         mlt completions zsh > ~/.zfunc/_mlt          with 'fpath+=~/.zfunc' before compinit in ~/.zshrc
+  zsh         mlt completions zsh > ~/.zfunc/_mlt
+              with fpath+=~/.zfunc before compinit in ~/.zshrc
   fish        mlt completions fish > ~/.config/fish/completions/mlt.fish
   powershell  mlt completions powershell >> $PROFILE")]
 pub struct CompletionsOptions {

@@ -64,17 +64,6 @@ pub struct Strata {
     pub classes: Classes,
 }
 
-impl Strata {
-    /// Least number of strata that it asks for.
-    pub fn least(&self) -> usize {
-        match self.lights {
-            Stratification::None | Stratification::Auto => 1,
-            Stratification::Count(count) => count as usize,
-            Stratification::Grid(columns, rows) => columns as usize * rows as usize,
-        }
-    }
-}
-
 const STRATA_HELP: &str = "give 'none', 'auto', a number of strata, or the cells of each light, as in 4x4; then, if you \
                            like, ',length' and ',tiles:2x2'";
 
@@ -117,12 +106,7 @@ fn sides(text: &str, most: u32) -> Result<(u32, u32), String> {
 
 impl fmt::Display for Strata {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.lights {
-            Stratification::None => write!(f, "none"),
-            Stratification::Auto => write!(f, "auto"),
-            Stratification::Count(count) => write!(f, "{count}"),
-            Stratification::Grid(columns, rows) => write!(f, "{columns}x{rows}"),
-        }?;
+        write!(f, "{}", self.lights)?;
         if self.classes.lengths {
             write!(f, ",length")?;
         }

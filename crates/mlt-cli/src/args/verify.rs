@@ -13,15 +13,22 @@ use super::{
 /// Options of `mlt verify`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
-Each method is rendered many times with different seeds, as 'mlt render SCENE' does it unless options say otherwise, and so is
-a method that shares little code with it. Reported are: whether the two have the same mean image, region by region, and how small
-an error would have been noticed; whether rounds and chains agree; whether 95 % error bars hold the truth in 95 % of pixels; how
-far the worst seed is from the median; flicker. With --choice instead: whether auto keeps to its budget and its plan, and is never
-much worse than the best of pt, bdpt and mlt with as many rays.
+Each method renders the scene many times with different seeds, as 'mlt render SCENE' does it unless options say otherwise, and so does a \
+method that shares little code with it. Reported are:
+
+  - whether the two have the same mean image, and how small an error would have been noticed
+  - whether rounds and chains agree
+  - whether 95 % error bars hold the truth in 95 % of the pixels
+  - how far the worst seed is from the median
+  - how much the image flickers
+
+With --choice instead: whether auto keeps to its budget and its plan, and is never much worse than the best of pt, bdpt and mlt with as \
+many rays.
 
 Exit codes: 0 every method can be trusted here, 1 one cannot or cannot be judged, 2 wrong usage, 130 interrupted.
-With --gallery the folder gets stability.md, verdicts/ and scenes/, with --choice checkpoints of all renders: the same command goes
-on where an earlier one stopped.")]
+
+With --gallery FOLDER gets stability.md, stability-figures.md, verdicts/ and scenes/, with --choice checkpoints of all renders: the same \
+command goes on where an earlier one stopped.")]
 pub struct VerifyOptions {
     /// glTF or OBJ files, or names of built-in scenes; with --gallery names of its scenes, all of them if none is given; with
     /// --choice also names of gallery scenes, seven of easy and hard light if none is given

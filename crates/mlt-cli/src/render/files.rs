@@ -3,7 +3,7 @@
 use mlt_core::{engine::Film, transport::render::Sums};
 use rayon::prelude::*;
 
-use super::{Features, Plan, exposure, session::Made};
+use super::{Features, Plan, exposure, made::Made};
 use crate::{
     Failure,
     args::{

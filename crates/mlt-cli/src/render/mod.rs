@@ -8,6 +8,7 @@ mod files;
 mod frames;
 mod key;
 mod losses;
+mod made;
 mod pilot;
 mod plan;
 mod pose;
@@ -45,8 +46,8 @@ use crate::{
 pub(crate) use blocks::Blocks;
 pub(crate) use features::Features;
 pub(crate) use files::write;
+pub(crate) use made::{Finished, Made};
 pub(crate) use plan::Plan;
-pub(crate) use session::{Finished, Made};
 pub(crate) use setup::{Setup, bytes_of_image};
 pub(crate) use summary::report;
 

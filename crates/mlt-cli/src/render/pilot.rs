@@ -29,7 +29,7 @@ pub(super) fn renderer<'a>(
         let renderer = Renderer::following(view, settings, &pilot.found);
         return renderer.map_err(|error| unfit(&pilot.path.display(), error));
     }
-    let renderer = Renderer::watched(view, settings, watch).ok_or_else(super::session::too_early)?;
+    let renderer = Renderer::watched(view, settings, watch).ok_or_else(Failure::too_early)?;
     if let (Some(path), Some(found)) = (&options.pilot, renderer.pilot()) {
         // The next part has to run the pilot again; this one does not need the file.
         let written = Pilot { path: path.clone(), key: key.clone(), found }.write();

@@ -14,6 +14,7 @@ use super::{
     features::Features,
     files::write,
     key::{arguments, key},
+    made::{Finished, Made},
     pilot::renderer,
     preview::Previews,
     speed::Round,
@@ -37,28 +38,6 @@ const BYTES_PER_MUTATION: f64 = 4.2;
 /// Bytes for each sample of the pixels in work, two a thread: its deposits.
 const BYTES_PER_SAMPLE: f64 = 64.0;
 
-/// A render that is over.
-pub(crate) struct Finished {
-    /// Its rounds.
-    pub sums: Sums,
-    /// All else.
-    pub made: Made,
-}
-
-/// The report of some rounds.
-pub(crate) struct Made {
-    /// Which render they are of.
-    pub about: About,
-    /// Its pilot's findings, if it has one.
-    pub pilot: Option<Vec<u8>>,
-    /// Its report, without the files.
-    pub report: Report,
-    /// Mutations or samples a pixel of one round.
-    pub per_pixel: f64,
-    /// Features of its image.
-    pub features: Features,
-}
-
 /// Renders on the current rayon pool, going on from `kept` rounds if there are some.
 pub(super) fn run(
     options: &RenderOptions,
@@ -73,7 +52,7 @@ pub(super) fn run(
     let (session, mut sums) = Session::begin((options, setup, plan), interrupt, &progress, kept)?;
     let outcome = session.render(&mut sums, &progress, &mut previews);
     if sums.film().rounds() == 0 {
-        return Err(too_early());
+        return Err(Failure::too_early());
     }
     let made = session.made(&sums, outcome == Outcome::Stopped && interrupt.requested())?;
     sums.finish();
@@ -99,11 +78,6 @@ fn ending_words(outcome: Outcome, interrupt: &Interrupt) -> &'static str {
         Outcome::Stopped => "the error is reached",
         Outcome::Complete => "done",
     }
-}
-
-/// The failure of a render that is stopped before anything is worth keeping.
-pub(super) fn too_early() -> Failure {
-    Failure::InterruptedEarly(anyhow::anyhow!("interrupted before the first round was finished; nothing is written"))
 }
 
 /// A render under way.

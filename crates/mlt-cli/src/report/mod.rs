@@ -236,7 +236,7 @@ impl Report {
 
     /// How many strata there were, if a cut was asked for.
     fn write_cut(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (made, asked) = (self.strata.len(), self.transport.strata.least());
+        let (made, asked) = (self.strata.len(), self.transport.strata.lights.least());
         if made == 0 || self.transport.strata == Strata::default() {
             return Ok(());
         }

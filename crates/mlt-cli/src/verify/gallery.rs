@@ -64,7 +64,7 @@ pub(super) fn all_methods() -> Result<Vec<Contestant>, Failure> {
     methods.map_err(|message| Failure::Run(anyhow::anyhow!(message)))
 }
 
-/// Judges what is not judged yet, and writes the table after each scene.
+/// Judges what is not judged yet, and writes both pages after each scene.
 pub(super) fn run(court: &Court, scenes: &[&Scene], folder: &Path) -> Result<Vec<Verdict>, Failure> {
     let create =
         |path: &Path| fs::create_dir_all(path).with_context(|| format!("{}: cannot be created", path.display()));
@@ -75,8 +75,10 @@ pub(super) fn run(court: &Court, scenes: &[&Scene], folder: &Path) -> Result<Vec
         create(&files)?;
         let path = scene.write(&files).with_context(|| format!("{}: cannot be written", files.display()))?;
         verdicts.extend(of_scene(court, scene, &path, folder)?);
-        let table = page(&verdicts, scenes, court);
-        atomic::write(&folder.join("stability.md"), table.as_bytes())?;
+        let pages = [("stability.md", page(&verdicts, scenes, court)), ("stability-figures.md", figures(&verdicts))];
+        for (name, text) in pages {
+            atomic::write(&folder.join(name), text.as_bytes())?;
+        }
     }
     Ok(verdicts)
 }
@@ -141,8 +143,9 @@ fn fingerprint(bytes: &[u8]) -> u64 {
 /// The page docs/stability.md.
 pub(super) fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
     let mut page = format!(
-        "# Where methods fail\n\n{}\nWritten by `mlt verify --gallery -o FOLDER` (FOLDER/stability.md); [verify.md](verify.md) says what \
-         it tests, and [gallery.md](gallery.md) shows the scenes.\nFor each scene and method: {}.\n\n",
+        "# Where methods fail\n\n{}\nWritten by `mlt verify --gallery -o FOLDER`; [verify.md](verify.md) says what it tests, \
+         [gallery.md](gallery.md) shows the scenes,\nand [stability-figures.md](stability-figures.md) has the figures behind the words.\n\
+         For each scene and method: {}.\n\n",
         in_short(verdicts),
         court.identity
     );
@@ -158,7 +161,7 @@ pub(super) fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> St
     for verdict in verdicts.iter().filter(|v| v.status == Status::Fails) {
         page += &format!("- {} × {}: {}.\n", verdict.scene, verdict.method, verdict.reasons());
     }
-    page + &figures(verdicts)
+    page
 }
 
 /// Numbers of verdicts and of faults, and the meaning of the words.
@@ -197,9 +200,9 @@ fn bars(Errors { coverage, doubted, .. }: &Errors) -> String {
     if *doubted > 0 { format!("{coverage} ({doubted})") } else { coverage }
 }
 
-/// The figures behind the words.
+/// The page docs/stability-figures.md: the figures behind the words.
 fn figures(verdicts: &[Verdict]) -> String {
-    let mut text = "\n## Figures\n\np: of so large a difference from the reference, corrected. Visible: error of the image, and of \
+    let mut text = "# Figures behind the verdicts\n\n[stability.md](stability.md) has the verdicts in words.\n\np: of so large a difference from the reference, corrected. Visible: error of the image, and of \
                     a region, seen in 4 of 5 studies. Bars: share of 95 %\nerror bars that hold the truth, and in brackets the seeds that say themselves that theirs cannot be trusted, which are \
                     left out. relMSE: median over seeds, and the worst over it. R̂: \
                     of rounds in the worst block.\nStuck: longest run of rejections. Flicker: lights moved by a millionth, over \

@@ -3,7 +3,7 @@
 //! Of several channels that move the same, the first counts. A time outside of a channel's keys is its nearest key.
 
 use super::accessor::{Reader, Vectors};
-use super::instance::rotation;
+use super::rotation::rotation;
 use crate::SceneError;
 use glam::{DMat4, DQuat, DVec3};
 use gltf::{

@@ -2,6 +2,7 @@
 
 use super::accessor::{Reader, Vectors};
 use super::graph::{Placed, place};
+use super::rotation::rotation;
 use crate::SceneError;
 use glam::{DMat4, DQuat, DVec3};
 use gltf::{Accessor, Document, Node};
@@ -38,7 +39,7 @@ pub(super) fn places(
     };
     let [translations, rotations, scales] = [read("TRANSLATION")?, read("ROTATION")?, read("SCALE")?];
     if [&translations, &rotations, &scales].iter().all(|found| found.is_none()) {
-        warnings.push(format!("{}: {NAME} says not where its copies are; there is one, at the node", place(node)));
+        warnings.push(format!("{}: {NAME} does not say where its copies are; there is one, at the node", place(node)));
         return Ok(vec![*to_world]);
     }
     let vector = |found: &Option<Rc<Vectors>>, i: u32, usual: DVec3| {
@@ -50,11 +51,4 @@ pub(super) fn places(
         *to_world * DMat4::from_scale_rotation_translation(scale, rotation, translation)
     };
     Ok((0..count(document, node) as u32).map(copy).collect())
-}
-
-/// A rotation of any length, as a unit quaternion.
-pub(super) fn rotation(q: [f32; 4]) -> DQuat {
-    let q = DQuat::from_array(q.map(f64::from));
-    let length = q.length();
-    if length > 0.0 && length.is_finite() { q / length } else { DQuat::IDENTITY }
 }

@@ -16,6 +16,7 @@ mod meshopt;
 mod outline;
 mod parse;
 mod primitive;
+mod rotation;
 mod shape;
 mod sharing;
 mod texture;

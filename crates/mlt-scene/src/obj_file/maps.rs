@@ -1,5 +1,6 @@
 //! The textures of MTL's materials, as the renderer reads them.
 
+use super::gloss;
 use super::texture::{PREFIX, READ, Statement};
 use crate::{SceneError, images::Images, source::Source};
 use mlt_core::transport::scene::{ChannelMap, Encoding, Map, Maps, NormalMap, Pixels};
@@ -82,7 +83,7 @@ impl<'a> Statements<'a> {
         let kind = format!("roughness by {exponent} in channel {channel}");
         let roughness = |rgba: [u8; 4]| {
             let share = f32::from(rgba[channel]) / 255.0;
-            (255.0 * super::material::roughness(exponent * share)).round() as u8
+            (255.0 * gloss::roughness(exponent * share)).round() as u8
         };
         let name = images.derived(&self.name(statement), &kind, |pixels| {
             Pixels::new(pixels.size().into(), 1, pixels.iter().map(roughness).collect())

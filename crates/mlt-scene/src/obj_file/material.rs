@@ -1,5 +1,6 @@
 //! MTL's materials.
 
+use super::gloss::roughness;
 use super::maps::Statements;
 use crate::{images::Images, range::Range};
 use mlt_core::transport::Rgb;
@@ -143,14 +144,6 @@ fn glass(source: &tobj::Material, range: &mut Range) -> MetallicRoughness {
         thin: false,
         ..MetallicRoughness::default()
     }
-}
-
-/// Roughness of a lobe with Blinn's exponent.
-///
-/// α = √(2 / (n + 2)) gives a microfacet distribution the width of Blinn's lobe with exponent n; roughness = √α.
-/// Source: [Walter07].
-pub(super) fn roughness(exponent: f32) -> f32 {
-    (2.0 / (exponent + 2.0)).sqrt().sqrt()
 }
 
 /// A diffuse base under a reflection that is `specular` at normal incidence.

@@ -1,5 +1,6 @@
 //! Wavefront OBJ with its material libraries.
 
+mod gloss;
 mod library;
 mod maps;
 mod material;

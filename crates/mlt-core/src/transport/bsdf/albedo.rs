@@ -11,8 +11,9 @@
 //! Source: Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
 
 use super::albedo_table::{BENT, COLUMNS, LACKING, ROWS};
-use super::microfacet;
-use super::microfacet::{Ggx, Microfacets};
+use super::interpolation::{bracket, lerp};
+use super::lacking::{Lacking, Tabulated};
+use super::microfacet::{self, Ggx, Microfacets};
 use glam::Vec3A;
 
 /// x(μ).
@@ -25,19 +26,6 @@ fn abscissa(alpha: f32, cos: f32) -> f32 {
 fn cosine(alpha: f32, x: f32) -> f32 {
     let (rest, part) = (1.0 - x * x, alpha * x * x);
     part / (rest * rest + part * part).sqrt()
-}
-
-/// The node below `x` ∈ [0, 1] among `count` equidistant ones, not the last, and how far x is on the way to the next.
-#[inline]
-pub(super) fn bracket(x: f32, count: usize) -> (usize, f32) {
-    let position = x * (count - 1) as f32;
-    let node = (position as usize).min(count - 2);
-    (node, position - node as f32)
-}
-
-#[inline]
-pub(super) fn lerp(a: f32, b: f32, t: f32) -> f32 {
-    a + t * (b - a)
 }
 
 /// ∫₀¹ g(μ) 2μ dμ by the trapezium rule in μ², between points that are equidistant in √μ.
@@ -72,23 +60,6 @@ pub(super) fn lattice_average([step, count]: [u32; 2], g: impl Fn([f32; 2]) -> f
 /// A direction at μ = cosθ about z.
 pub(super) fn at_cosine(cos: f32) -> Vec3A {
     Vec3A::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos)
-}
-
-/// Terms of the albedo of one scattering by microfacets with f = D G₂/(4 cosθₗ cosθₑ), for light along a direction.
-#[derive(Clone, Copy, Debug)]
-pub struct Lacking {
-    /// m = 1 - ∫ f cosθ dω.
-    pub white: f32,
-    /// B = ∫ f (1 - h·l)⁵ cosθ dω, the part of Schlick's F that goes with F₉₀ - F₀.
-    pub grazing: f32,
-}
-
-impl Lacking {
-    /// Linear interpolation.
-    #[inline]
-    pub(super) fn towards(self, end: Self, t: f32) -> Self {
-        Self { white: lerp(self.white, end.white, t), grazing: lerp(self.grazing, end.grazing, t) }
-    }
 }
 
 /// Directional albedo of microfacets that reflect, from tables.
@@ -131,6 +102,15 @@ impl Albedo {
         };
         let [white, grazing] = cosine_average(at);
         Lacking { white, grazing }
+    }
+}
+
+impl Tabulated for Ggx {
+    type Albedo = Albedo;
+
+    #[inline]
+    fn lacking(self, albedo: &Albedo, n: Vec3A, direction: Vec3A) -> Lacking {
+        albedo.at(n.dot(direction).abs())
     }
 }
 

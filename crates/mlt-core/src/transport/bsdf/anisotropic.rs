@@ -8,8 +8,6 @@
 //!
 //! Source: [Heitz14], section 5.3.
 
-use super::albedo::Lacking;
-use super::brushed;
 use super::microfacet::{GRAZING, Microfacets, Reflection, half, visible_cap};
 use crate::transport::geometry::math::{cross, unit};
 use glam::Vec3A;
@@ -54,19 +52,12 @@ impl AnisotropicGgx {
 }
 
 impl Microfacets for AnisotropicGgx {
-    type Albedo = ();
-
     #[inline]
     fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
         let (h, cos_half) = half(n, a, b)?;
         let (ca, cb) = (n.dot(a).abs(), n.dot(b).abs());
         let (ra, rb) = (self.root(self.local(n, a)), self.root(self.local(n, b)));
         Some(Reflection::new(self.d(self.local(n, h)), cos_half, [ca, cb], [ra, rb]))
-    }
-
-    #[inline]
-    fn lacking(self, (): &(), n: Vec3A, direction: Vec3A) -> Lacking {
-        brushed::lacking(self.alphas, self.local(n, direction))
     }
 
     #[inline]

@@ -7,10 +7,12 @@
 //!   ᾱ² being the mean of α_t² and α_b²: off by 0.001 in the mean, by 0.005 at most;
 //! * B/E: √μ and the azimuth: off by 0.001 in the mean, by 0.03 at grazing angles.
 
-use super::albedo::{Lacking, bracket, cosine_average, lattice_average, lerp};
+use super::albedo::{cosine_average, lattice_average};
 use super::anisotropic::AnisotropicGgx;
 use super::facets::Facets;
 use super::fresnel::reflect;
+use super::interpolation::{bracket, lerp};
+use super::lacking::{Lacking, Tabulated};
 use super::microfacet::{GRAZING, Ggx, Microfacets};
 use super::spread::Spread;
 use glam::Vec3A;
@@ -25,6 +27,15 @@ const COLUMNS: usize = 24;
 const TURNS: usize = 7;
 /// Least α: rounding of directions in f32 resolves the lobe.
 const LEAST: f32 = 1e-4;
+
+impl Tabulated for AnisotropicGgx {
+    type Albedo = ();
+
+    #[inline]
+    fn lacking(self, (): &(), n: Vec3A, direction: Vec3A) -> Lacking {
+        lacking(self.alphas, self.local(n, direction))
+    }
+}
 
 impl Facets<AnisotropicGgx> {
     /// Of a brushed surface, with α_t along the unit vector `tangent`, and α_b across it.
@@ -107,7 +118,7 @@ fn direction(cos: f32, x: f32, y: f32) -> Vec3A {
 }
 
 /// Lacking energy for a direction in local coordinates, on either side.
-pub(super) fn lacking(alphas: [f32; 2], [x, y, z]: [f32; 3]) -> Lacking {
+fn lacking(alphas: [f32; 2], [x, y, z]: [f32; 3]) -> Lacking {
     let (x, y, cos) = (x.abs(), y.abs(), z.abs().clamp(GRAZING, 1.0));
     let [along, across] = [alphas[0] * x, alphas[1] * y];
     let column = (cos / (cos + (along * along + across * across).sqrt())).sqrt();

@@ -1,10 +1,10 @@
 //! Rough metal, and the coat of a glossy surface.
 
 use super::Evaluation;
-use super::albedo::Lacking;
 use super::facets::Facets;
 use super::fresnel::{schlick, schlick_average};
-use super::microfacet::{GRAZING, Ggx, Microfacets};
+use super::lacking::{Lacking, Tabulated};
+use super::microfacet::{GRAZING, Ggx};
 use crate::transport::colour::Rgb;
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
@@ -16,7 +16,7 @@ use std::f32::consts::FRAC_1_PI;
 ///
 /// Source: Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017.
 #[derive(Clone, Copy, Debug)]
-pub struct Conductor<D: Microfacets = Ggx> {
+pub struct Conductor<D: Tabulated = Ggx> {
     /// F₀ ∈ [0, 1], reflectance at normal incidence.
     pub f0: Rgb,
     /// F₉₀ ∈ [0, 1], reflectance at grazing angles.
@@ -52,7 +52,7 @@ impl Conductor {
     }
 }
 
-impl<D: Microfacets> Conductor<D> {
+impl<D: Tabulated> Conductor<D> {
     /// The same of microfacets that are known already.
     pub fn of(f0: Rgb, f90: f32, facets: Facets<D>) -> Self {
         let lacking = facets.mean.white;

@@ -2,12 +2,12 @@
 
 use super::anisotropic::AnisotropicGgx;
 use super::microfacet::Ggx;
-use super::varying::Directions;
 use super::{
     Bsdf, Coat, Conductor, Dielectric, Facets, Glossy, Lambert, Layered, Lobe, MetallicRoughness, Mirror, Mix,
     RoughDielectric, RoughThin, Sheen, Thin,
 };
 use crate::transport::colour::Rgb;
+use glam::Vec3A;
 
 /// α below this is perfectly smooth: rounding of directions in f32, 10⁻⁷, no longer resolves the lobe.
 pub const SMOOTH_ALPHA: f32 = 1e-6;
@@ -122,6 +122,15 @@ impl MetallicRoughness {
     fn index_matched(&self, made: &impl Microsurfaces) -> Lobe {
         Lobe::RoughThin(made.wall(self.ior, self.base_color, Ggx { alpha: MIXED_ALPHA }))
     }
+}
+
+/// Directions of one point of a surface beside its normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Directions {
+    /// Unit tangent along which the surface is rougher; `None`: it is not known, and the surface is as rough along all.
+    pub streak: Option<Vec3A>,
+    /// Unit normal of the clear coat; `None`: that of the base.
+    pub coat_normal: Option<Vec3A>,
 }
 
 /// Where a conversion has from what depends on roughness, index of refraction and place alone.

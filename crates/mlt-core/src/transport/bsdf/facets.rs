@@ -1,15 +1,16 @@
 //! Microfacets with all that is known of them at one roughness.
 
-use super::albedo::{Albedo, Lacking};
+use super::albedo::Albedo;
 use super::albedo_table::ROWS;
-use super::microfacet::{Ggx, Microfacets};
+use super::lacking::{Lacking, Tabulated};
+use super::microfacet::Ggx;
 use super::spread::Spread;
 use glam::Vec3A;
 use std::sync::LazyLock;
 
 /// Microfacets, what one scattering by them lacks, and where the rest goes.
 #[derive(Clone, Copy, Debug)]
-pub struct Facets<D: Microfacets = Ggx> {
+pub struct Facets<D: Tabulated = Ggx> {
     /// Their distribution.
     pub ggx: D,
     pub(super) albedo: D::Albedo,
@@ -19,7 +20,7 @@ pub struct Facets<D: Microfacets = Ggx> {
     pub(super) mean: Lacking,
 }
 
-impl<D: Microfacets> Facets<D> {
+impl<D: Tabulated> Facets<D> {
     /// The energy that one scattering lacks at a direction.
     #[inline]
     pub(super) fn lacking(&self, n: Vec3A, direction: Vec3A) -> Lacking {

@@ -1,6 +1,7 @@
 //! Dielectric coat over a diffuse base.
 
-use super::microfacet::{Ggx, Microfacets};
+use super::lacking::Tabulated;
+use super::microfacet::Ggx;
 use super::{Conductor, Evaluation, Lambert, choose};
 use crate::transport::colour::Rgb;
 use glam::{Vec2, Vec3A};
@@ -13,7 +14,7 @@ use std::f32::consts::FRAC_1_PI;
 /// Source: Kelemen & Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling",
 /// Eurographics 2001. Left out: light that the coat sends back to the base takes the base's colour no more than once.
 #[derive(Clone, Copy, Debug)]
-pub struct Glossy<D: Microfacets = Ggx> {
+pub struct Glossy<D: Tabulated = Ggx> {
     /// The base's ρ.
     pub base: Lambert,
     /// F₀, F₉₀ and microfacets of the coat.
@@ -22,7 +23,7 @@ pub struct Glossy<D: Microfacets = Ggx> {
     scale: Rgb,
 }
 
-impl<D: Microfacets> Glossy<D> {
+impl<D: Tabulated> Glossy<D> {
     /// A coat over a base.
     pub fn new(base: Lambert, coat: Conductor<D>) -> Self {
         // Where the coat lets nothing through, t̄ is a rounding error.

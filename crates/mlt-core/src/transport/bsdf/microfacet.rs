@@ -10,7 +10,6 @@
 //!
 //! Sources: [Walter07], [Heitz14]. Light that meets the surface more than once: `albedo`.
 
-use super::albedo::{Albedo, Lacking};
 use super::fresnel::reflect;
 use crate::transport::geometry::math::{cross, frame, turn, unit};
 use glam::Vec3A;
@@ -22,17 +21,11 @@ pub const GRAZING: f32 = 1e-6;
 
 /// A distribution of the normals of microfacets that reflect.
 pub trait Microfacets: Copy + Debug {
-    /// Kept for one roughness, to find the energy that one scattering lacks.
-    type Albedo: Copy + Debug;
-
     /// How they mirror `a` into `b`; `None`: not on one side.
     fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection>;
 
     /// A normal on the side of `v` with density D_v; `None`: `v` is tangent.
     fn sample_normal(self, n: Vec3A, v: Vec3A, u: [f32; 2]) -> Option<Vec3A>;
-
-    /// The energy that one scattering lacks at a direction.
-    fn lacking(self, albedo: &Self::Albedo, n: Vec3A, direction: Vec3A) -> Lacking;
 
     /// `given` mirrored about a normal that it sees; density: [`Reflection::pdf`]; `None`: it would go below the surface.
     #[inline]
@@ -103,19 +96,12 @@ impl Ggx {
 }
 
 impl Microfacets for Ggx {
-    type Albedo = Albedo;
-
     #[inline]
     fn reflection(self, n: Vec3A, a: Vec3A, b: Vec3A) -> Option<Reflection> {
         let (h, cos_half) = half(n, a, b)?;
         let (ca, cb) = (n.dot(a).abs(), n.dot(b).abs());
         let (ra, rb) = (self.root(ca), self.root(cb));
         Some(Reflection::new(self.d(n, h), cos_half, [ca, cb], [ra, rb]))
-    }
-
-    #[inline]
-    fn lacking(self, albedo: &Albedo, n: Vec3A, direction: Vec3A) -> Lacking {
-        albedo.at(n.dot(direction).abs())
     }
 
     #[inline]

@@ -24,6 +24,8 @@ mod dielectric;
 mod facets;
 pub mod fresnel;
 mod glossy;
+mod interpolation;
+mod lacking;
 mod lambert;
 mod layered;
 mod metallic_roughness;
@@ -46,7 +48,7 @@ use glam::{Vec2, Vec3A};
 
 pub use anisotropic::AnisotropicGgx;
 pub use conductor::Conductor;
-pub use conversion::{MIXED_ALPHA, SMOOTH_ALPHA};
+pub use conversion::{Directions, MIXED_ALPHA, SMOOTH_ALPHA};
 pub use dielectric::Dielectric;
 pub use facets::Facets;
 pub use glossy::Glossy;
@@ -61,7 +63,7 @@ pub use rough_interface::RoughInterface;
 pub use rough_thin::RoughThin;
 pub use sheen::Sheen;
 pub use thin::{Thin, slab_reflectance};
-pub use varying::{Directions, Varying};
+pub use varying::Varying;
 
 /// Value of a BSDF for two directions.
 #[derive(Clone, Copy, Debug, PartialEq)]

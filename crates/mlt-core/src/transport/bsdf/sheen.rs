@@ -1,7 +1,8 @@
 //! Fibres that stand on a surface, such as those of velvet.
 
 use super::Evaluation;
-use super::albedo::{at_cosine, bracket, lerp};
+use super::albedo::at_cosine;
+use super::interpolation::{bracket, lerp};
 use super::microfacet::GRAZING;
 use crate::transport::colour::Rgb;
 use crate::transport::geometry::math::{frame, turn, unit};

@@ -1,11 +1,10 @@
 //! BSDFs for parameters that vary over a surface.
 
-use super::conversion::{MIXED_ALPHA, Microsurfaces, SMOOTH_ALPHA};
+use super::conversion::{Directions, MIXED_ALPHA, Microsurfaces, SMOOTH_ALPHA};
 use super::microfacet::Ggx;
 use super::rough_dielectric::RoughGlass;
 use super::{Bsdf, Facets, MetallicRoughness, RoughDielectric, RoughThin};
 use crate::transport::colour::Rgb;
-use glam::Vec3A;
 
 /// Conversion of factors that vary over a surface, without allocation and without quadrature.
 ///
@@ -39,15 +38,6 @@ impl Varying {
     pub fn bsdf(&self, factors: &MetallicRoughness, directions: Directions) -> Bsdf {
         factors.valid().convert(&AtPoint { varying: self, directions }, self.rough)
     }
-}
-
-/// Directions of one point of a surface beside its normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Directions {
-    /// Unit tangent along which the surface is rougher; `None`: it is not known, and the surface is as rough along all.
-    pub streak: Option<Vec3A>,
-    /// Unit normal of the clear coat; `None`: that of the base.
-    pub coat_normal: Option<Vec3A>,
 }
 
 /// One point of a surface whose factors vary.

@@ -6,6 +6,7 @@ use crate::transport::paths::{LightPath, Luminance};
 
 /// Which scalar I is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Target {
     /// Luminance of f(x).
     #[default]

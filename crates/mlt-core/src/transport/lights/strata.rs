@@ -7,9 +7,11 @@ use crate::engine::{DecodeError, Reader, put_list};
 use crate::transport::scene::{Light, LightPoint, Lights};
 use glam::DVec2;
 use std::cmp::Ordering;
+use std::fmt;
 
 /// How the lights are cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Stratification {
     /// Not at all: one stratum.
     #[default]
@@ -20,6 +22,28 @@ pub enum Stratification {
     Count(u32),
     /// The cut that the pilot of a render finds; without a pilot, one stratum.
     Auto,
+}
+
+impl Stratification {
+    /// Least number of strata that it asks for.
+    pub fn least(self) -> usize {
+        match self {
+            Self::None | Self::Auto => 1,
+            Self::Count(count) => count as usize,
+            Self::Grid(columns, rows) => columns as usize * rows as usize,
+        }
+    }
+}
+
+impl fmt::Display for Stratification {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => f.write_str("none"),
+            Self::Auto => f.write_str("auto"),
+            Self::Count(count) => write!(f, "{count}"),
+            Self::Grid(columns, rows) => write!(f, "{columns}x{rows}"),
+        }
+    }
 }
 
 /// Most strata, whatever is asked for.

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 /// How n_j is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Weights {
     /// In proportion to power.
     Power,

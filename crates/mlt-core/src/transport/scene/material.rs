@@ -1,6 +1,6 @@
 //! Materials: how a surface scatters and emits light.
 
-use super::light::Cone;
+use super::cone::Cone;
 use super::textures::{Alpha, Coordinates, Maps, Texture, Textured};
 use crate::transport::bsdf::{Bsdf, MetallicRoughness};
 use crate::transport::colour::Rgb;

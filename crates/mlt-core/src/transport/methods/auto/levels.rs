@@ -1,12 +1,12 @@
 //! The level of each part of the image: what a pixel is expected to show, without noise.
 
-use super::split::IN_VIEW;
 use crate::engine::{DecodeError, PILOT, Purpose, Reader, Watch, generator, put, put_list};
 use crate::transport::colour::LUMINANCE;
 use crate::transport::image::blurred;
 use crate::transport::methods::bidirectional::Bidirectional;
 use crate::transport::methods::independent::{ImageSampler, point_in_pixel};
 use crate::transport::methods::sobol::OwenSobol;
+use crate::transport::paths::Kinds;
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ const RADIUS: f64 = 1.0 / 16.0;
 /// Least level, as a share of the image's mean.
 const FLOOR: f64 = 1.0;
 
-/// Luminance of a small image, without lamps in view.
+/// Luminance of a small image.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Levels {
     size: [u32; 2],
@@ -34,12 +34,12 @@ impl Levels {
         Self { size: [1, 1], values: vec![level] }
     }
 
-    /// By bidirectional samples, which miss little that others meet. Nothing if it is stopped.
-    pub(super) fn measure(sampler: &Bidirectional, seed: u64, watch: Watch) -> Option<Self> {
+    /// By bidirectional samples, which miss little that others meet, of paths of these kinds. Nothing if it is stopped.
+    pub(super) fn measure(sampler: &Bidirectional, kinds: Kinds, seed: u64, watch: Watch) -> Option<Self> {
         let size = sampler.size();
         let pixels = size[0] * size[1];
         let pieces = watch.pieces(pixels as usize);
-        let of_pixel = |pixel| pieces.unless_stopped(|| shown(sampler, pixel, seed));
+        let of_pixel = |pixel| pieces.unless_stopped(|| shown(sampler, kinds, pixel, seed));
         let shown: Vec<Vec<Shown>> = (0..pixels).into_par_iter().map(of_pixel).collect::<Option<_>>()?;
         let mut halves = [(); 2].map(|()| vec![0.0; pixels as usize]);
         for ([pixel, half], value) in shown.into_iter().flatten() {
@@ -91,14 +91,14 @@ fn without_noise([a, b]: &[Vec<f64>; 2], size: [u32; 2]) -> Vec<f64> {
     blurred(&mean, size, radius).into_iter().zip(darker).map(|(smooth, darker)| smooth.max(darker)).collect()
 }
 
-fn shown(sampler: &Bidirectional, pixel: u32, seed: u64) -> Vec<Shown> {
+fn shown(sampler: &Bidirectional, kinds: Kinds, pixel: u32, seed: u64) -> Vec<Shown> {
     let mut shown = Vec::new();
     let rng = &mut OwenSobol::new(generator(seed, Purpose::Image, PILOT - 1, 0, pixel.into()).next_u64());
     for index in 0..SAMPLES {
         rng.go_to(index);
         let film = point_in_pixel(pixel.into(), sampler.size(), rng);
         sampler.sample(film, rng, &mut |elsewhere, value, end| {
-            if !IN_VIEW.contains(end.kind) {
+            if kinds.contains(end.kind) {
                 let at = [elsewhere.unwrap_or(pixel) as usize, index as usize % 2];
                 shown.push((at, value.dot(DVec3::from_array(LUMINANCE))));
             }

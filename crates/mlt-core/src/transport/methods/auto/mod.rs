@@ -86,7 +86,7 @@ impl Pilot<'_> {
         let (strata, camera) = (self.cut(), self.view.camera.with_size(self.size()));
         let view = View { camera: &camera, ..self.view };
         let of_light = Bidirectional { view, region: &self.common.lights, max_edges: self.max_edges };
-        let levels = Levels::measure(&of_light, self.seed, self.part(0))?;
+        let levels = Levels::measure(&of_light, IN_VIEW.others(), self.seed, self.part(0))?;
         let split = Split::new(&levels, camera.size(), self.max_edges);
         let (findings, spent) = self.findings(view, &strata, &split)?;
 

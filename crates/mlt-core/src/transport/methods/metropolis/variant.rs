@@ -2,6 +2,7 @@
 
 /// The chains or mutations that a stratum restricts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Variant {
     /// The importance and the bidirectional mutation: I_j is 0 outside Ω_j.
     #[default]

@@ -1,6 +1,7 @@
 //! Surfaces that emit, each with a map from the unit square in proportion to power.
 
 use super::even::Even;
+use super::triangle::weights;
 use super::uneven::Uneven;
 use super::{Light, Piece, Shape};
 use crate::transport::colour::Rgb;
@@ -27,6 +28,17 @@ impl Light {
     pub(crate) fn triangles(list: impl Iterator<Item = (u32, [Vec3; 3])>) -> Option<Self> {
         let (even, area) = Even::new(list)?;
         Some(Self::surface(area, Area::Even(Box::new(even))))
+    }
+
+    /// A light of triangles that emit `glow` at barycentric weights of one of them, radiance times opacity, at most `brightest`; `None`:
+    /// they emit nothing. Its opacity is 1.
+    pub(crate) fn uneven(
+        triangles: Vec<(u32, [Vec3; 3])>,
+        brightest: Rgb,
+        glow: impl Fn(usize, [f32; 2]) -> Rgb + Sync,
+    ) -> Option<Self> {
+        let (uneven, area, emission) = Uneven::new(triangles, brightest, glow)?;
+        Some(Self::new(Shape::Area(Area::Uneven(Box::new(uneven))), area, emission))
     }
 
     fn surface(area: f64, shape: Area) -> Self {
@@ -95,24 +107,4 @@ impl Area {
             Self::Uneven(uneven) => uneven.coordinates(index, position),
         }
     }
-}
-
-/// Weights of the second and third vertex of a triangle at a point of the unit square, preserving relative area.
-#[inline(always)]
-pub(super) fn on_triangle(u: f64, v: f64) -> [f32; 2] {
-    let root = u.clamp(0.0, 1.0).sqrt() as f32;
-    [root * (1.0 - v as f32), root * v as f32]
-}
-
-/// Where a part begins and ends.
-pub(super) fn interval(cumulative: &[f64], i: usize) -> (f64, f64) {
-    (if i == 0 { 0.0 } else { cumulative[i - 1] }, cumulative[i])
-}
-
-/// (s, t), each clamped to [0, 1], of the point s·e + t·f nearest to p.
-pub(super) fn weights(p: Vec3, e: Vec3, f: Vec3) -> (f64, f64) {
-    let (p, e, f) = (p.as_dvec3(), e.as_dvec3(), f.as_dvec3());
-    let n = e.cross(f);
-    let d = n.length_squared();
-    (p.cross(f).dot(n).clamp(0.0, d) / d, e.cross(p).dot(n).clamp(0.0, d) / d)
 }

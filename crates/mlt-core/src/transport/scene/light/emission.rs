@@ -1,8 +1,9 @@
 //! Emission of a vertex on a light: a surface's is the same radiance in every direction of its front, or of both of its sides, or in those
 //! of a cone.
 
+use super::super::cone::Cone;
 use super::uneven::Uneven;
-use super::{Area, Cone, Light, LightPoint, Shape, Source};
+use super::{Area, Light, LightPoint, Shape, Source};
 use crate::engine::uniform_f32;
 use crate::transport::colour::{Rgb, luminance};
 use crate::transport::geometry::math::{cosine_hemisphere, unit};

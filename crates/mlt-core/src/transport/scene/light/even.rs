@@ -1,7 +1,7 @@
 //! A surface of triangles that emit alike, with an area-preserving map from the unit square.
 
 use super::Piece;
-use super::area::{interval, on_triangle, weights};
+use super::triangle::{interval, on_triangle, weights};
 use glam::{DVec2, Vec3};
 
 /// u runs through the triangles in proportion to their areas.

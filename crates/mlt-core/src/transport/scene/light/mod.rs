@@ -6,13 +6,13 @@
 //! mapped.
 
 mod area;
-mod cone;
 mod emission;
 mod environment;
 mod even;
 mod piece;
 mod punctual;
 mod sun;
+mod triangle;
 mod uneven;
 
 use super::material::Material;
@@ -21,7 +21,6 @@ use glam::{DVec2, Vec3, Vec3A};
 use std::f32::consts::PI;
 
 pub(crate) use area::Area;
-pub use cone::Cone;
 pub use environment::Environment;
 pub(super) use environment::Surroundings;
 pub(crate) use piece::Piece;

@@ -4,8 +4,9 @@
 //! A point's own measure is the unit mass on it, and so is a direction's; what a point emits is an intensity, what a direction
 //! sends is an irradiance across its rays.
 
+use super::super::cone::Cone;
 use super::piece::Piece;
-use super::{Cone, Light, Shape, Sun};
+use super::{Light, Shape, Sun};
 use crate::transport::colour::{Rgb, luminance};
 use crate::transport::geometry::{Space, Sphere};
 use glam::{DVec2, DVec3, Vec3, Vec3A};

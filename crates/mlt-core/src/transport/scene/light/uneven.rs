@@ -3,8 +3,8 @@
 //! Inside a part points are uniform by area. A tenth of a light's power is spread evenly over it, so that what shines where no sample
 //! of the texture showed it can still be drawn.
 
-use super::area::{interval, on_triangle, weights};
-use super::{Area, Light, Piece, Shape};
+use super::Piece;
+use super::triangle::{interval, on_triangle, weights};
 use crate::transport::colour::{Rgb, luminance};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
@@ -75,14 +75,25 @@ fn point([a, b, c]: [Vec3; 3], [u, v]: [f64; 2]) -> Vec3 {
     (1.0 - u - v) as f32 * a + u as f32 * b + v as f32 * c
 }
 
-impl Light {
-    /// A light of triangles that emit `glow` at barycentric weights of one of them, radiance times opacity, at most `brightest`; `None`:
-    /// they emit nothing. Its opacity is 1.
-    pub(crate) fn uneven(
+/// Mean of a function over a part of a triangle, by samples at the centres of a smaller cut.
+fn mean_over(corners: [[f64; 2]; 3], value: impl Fn([f32; 2]) -> Rgb) -> Rgb {
+    let [a, b, c] = corners.map(DVec2::from);
+    let samples = (0..SAMPLES * SAMPLES).map(|i| {
+        let centre = Part::new(i, SAMPLES).corners(SAMPLES).map(DVec2::from).iter().sum::<DVec2>() / 3.0;
+        let at = a + centre.x * (b - a) + centre.y * (c - a);
+        value(at.as_vec2().to_array())
+    });
+    samples.sum::<Rgb>() / (SAMPLES * SAMPLES) as f32
+}
+
+impl Uneven {
+    /// Triangles that emit `glow` at barycentric weights of one of them, at most `brightest`; their area, and their mean emission; `None`:
+    /// they emit nothing.
+    pub(super) fn new(
         triangles: Vec<(u32, [Vec3; 3])>,
         brightest: Rgb,
         glow: impl Fn(usize, [f32; 2]) -> Rgb + Sync,
-    ) -> Option<Self> {
+    ) -> Option<(Self, f64, Rgb)> {
         let area = |[a, b, c]: [Vec3; 3]| 0.5 * f64::from((b - a).cross(c - a).length());
         let total: f64 = triangles.iter().map(|t| area(t.1)).sum();
         let sides = (PARTS / triangles.len().max(1) as f64).sqrt().clamp(1.0, MOST_SIDES) as u32;
@@ -108,23 +119,9 @@ impl Light {
             })
             .collect();
         cumulative.iter_mut().for_each(|c| *c /= sum);
-        let shape = Shape::Area(Area::Uneven(Box::new(Uneven { triangles, sides, cumulative, relative, brightest })));
-        Some(Self::new(shape, total, emission.as_vec3()))
+        Some((Self { triangles, sides, cumulative, relative, brightest }, total, emission.as_vec3()))
     }
-}
 
-/// Mean of a function over a part of a triangle, by samples at the centres of a smaller cut.
-fn mean_over(corners: [[f64; 2]; 3], value: impl Fn([f32; 2]) -> Rgb) -> Rgb {
-    let [a, b, c] = corners.map(DVec2::from);
-    let samples = (0..SAMPLES * SAMPLES).map(|i| {
-        let centre = Part::new(i, SAMPLES).corners(SAMPLES).map(DVec2::from).iter().sum::<DVec2>() / 3.0;
-        let at = a + centre.x * (b - a) + centre.y * (c - a);
-        value(at.as_vec2().to_array())
-    });
-    samples.sum::<Rgb>() / (SAMPLES * SAMPLES) as f32
-}
-
-impl Uneven {
     /// Parts of a triangle.
     fn parts(&self) -> usize {
         (self.sides * self.sides) as usize
@@ -136,7 +133,7 @@ impl Uneven {
         (interval(&self.cumulative, begin).0, self.cumulative[end - 1])
     }
 
-    /// As of [`Area`].
+    /// As of [`Area`](super::Area).
     pub(super) fn pieces(&self, low: DVec2, high: DVec2) -> (u32, Vec<Piece>) {
         let find = |part: usize| (part / self.parts()).min(self.triangles.len() - 1);
         let first = find(self.cumulative.partition_point(|&end| end <= low.x));
@@ -149,7 +146,7 @@ impl Uneven {
         (first as u32, (first..=last).map(piece).collect())
     }
 
-    /// As of [`Area`].
+    /// As of [`Area`](super::Area).
     pub(super) fn centre(&self) -> Vec3 {
         let weighted = |(i, (_, [a, b, c])): (usize, &(u32, [Vec3; 3]))| {
             let (low, high) = self.interval(i);
@@ -158,7 +155,7 @@ impl Uneven {
         self.triangles.iter().enumerate().map(weighted).sum()
     }
 
-    /// As of [`Area`].
+    /// As of [`Area`](super::Area).
     pub(super) fn at(&self, u: f64, v: f64) -> (u32, Vec3) {
         let i = self.cumulative.partition_point(|&c| c <= u).min(self.cumulative.len() - 1);
         let (primitive, corners) = self.triangles[i / self.parts()];
@@ -169,7 +166,7 @@ impl Uneven {
         (primitive, point(corners, (p + b * (q - p) + c * (r - p)).to_array()))
     }
 
-    /// As of [`Area`].
+    /// As of [`Area`](super::Area).
     pub(super) fn coordinates(&self, index: u32, position: Vec3) -> (f64, f64) {
         let (i, [p, q, r]) = self.part(index, position);
         let [a, b, c] = [p, q, r];
@@ -197,6 +194,7 @@ impl Uneven {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Area, Light, Shape};
     use super::*;
 
     fn light() -> Light {

@@ -1,6 +1,6 @@
 //! Events that perturbations follow: reflections and refractions at specular vertices, and at microfacets of narrow lobes.
 
-use super::follow::LogUniform;
+use super::log_uniform::LogUniform;
 use crate::transport::bsdf::{Microfacet, NarrowLobe};
 use crate::transport::paths::LightPath;
 use crate::transport::scene::{Resolved, View};

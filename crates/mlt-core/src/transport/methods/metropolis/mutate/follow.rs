@@ -14,7 +14,8 @@
 //! All of them are taken relative to the density g of [`mis`], which changes at the vertices that are kept, too.
 
 use super::event::{microfacet, moved};
-use crate::transport::geometry::math::{self, eighth_turn, frame, on_circle};
+use super::log_uniform::LogUniform;
+use crate::transport::geometry::math::{self, eighth_turn, frame};
 use crate::transport::paths::mis::kept_reference;
 use crate::transport::paths::subpath::follow_from_eye;
 use crate::transport::paths::{LightPath, reference};
@@ -41,30 +42,6 @@ pub(super) fn turned(unit: Vec3A, rng: &mut impl Rng) -> Vec3A {
     let (s, t) = frame(unit);
     // Turned again and again, a vector that is not of length 1 would drift away from it.
     math::unit(cos * unit + sin * (about.x * s + about.y * t))
-}
-
-/// Lengths between two: each octave is as likely as any other, and within one all lengths are. That is 1/r in steps of an octave. The
-/// law does not depend on the state, so it cancels in T(y→x)/T(x→y).
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LogUniform {
-    /// Bits of the largest.
-    largest: u32,
-    /// Bits of the largest less those of the least: 2²³ an octave.
-    range: u32,
-}
-
-impl LogUniform {
-    pub(super) const fn new(least: f32, largest: f32) -> Self {
-        Self { largest: largest.to_bits(), range: largest.to_bits() - least.to_bits() }
-    }
-
-    /// A length, and a direction of the plane, uniformly.
-    #[inline(always)]
-    pub(super) fn draw(&self, rng: &mut impl Rng) -> (f32, Vec2) {
-        let random = rng.next_u64();
-        let below = (u64::from(random as u32) * u64::from(self.range)) >> 32;
-        (f32::from_bits(self.largest - below as u32), on_circle((random >> 32) as u32))
-    }
 }
 
 /// A way of going on from a replaced vertex towards the light.

@@ -7,7 +7,8 @@
 //! the q_i being those of [`follow`](super::follow).
 
 use super::event::{microfacet, same_events};
-use super::follow::{LogUniform, SUITABILITY, Turn, ratio};
+use super::follow::{SUITABILITY, Turn, ratio};
+use super::log_uniform::LogUniform;
 use crate::engine::Mutation;
 use crate::transport::bsdf::NarrowLobe;
 use crate::transport::geometry::Vertex;

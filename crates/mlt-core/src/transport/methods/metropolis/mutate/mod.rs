@@ -6,6 +6,7 @@ mod event;
 mod follow;
 mod from_eye;
 mod lens;
+mod log_uniform;
 mod multi_chain;
 pub(in crate::transport::methods) mod perturbations;
 mod pivot;
