@@ -193,6 +193,9 @@ impl<'a> Session<'a> {
         let missed = self.plan.missed(report.rounds, report.relative_error);
         report.warnings.extend(missed.filter(|_| !interrupted));
         report.decision = self.renderer.decision().map(Decision::from);
+        if let Some(stratum) = self.renderer.met_by_chance().and_then(|number| report.strata.get_mut(number)) {
+            stratum.met_by_chance = true;
+        }
         report.interrupted = interrupted;
         report.set_time(self.spent());
         Ok(report)

@@ -90,7 +90,7 @@ fn stratum(stats: &StratumStats) -> StratumReport {
     let (b, b_stderr, longest_rejection) = (stats.b(), stats.b_stderr(), stats.longest_rejection);
     let (r_hat, effective_states) = (stats.halves.r_hat(), stats.halves.effective_states());
     let (mutations, halves) = (stats.steps(), stats.halves.clone());
-    StratumReport { b, b_stderr, mutations, longest_rejection, r_hat, effective_states, halves }
+    StratumReport { b, b_stderr, met_by_chance: false, mutations, longest_rejection, r_hat, effective_states, halves }
 }
 
 /// Options of chains for a method that has none.

@@ -15,13 +15,17 @@ pub struct Feature {
 }
 
 /// Name of each feature, in the order of [`Needs`], and the consequences of having it and of lacking it.
-const FEATURES: [(&str, [&str; 2]); 11] = [
+const FEATURES: [(&str, [&str; 2]); 12] = [
     (
         "mirrors and clear glass",
         [
-            "chains perturb caustics, and what only chance meets is a part of path space",
+            "chains perturb caustics, and images of lights are a part of path space",
             "no caustic perturbation, no parts of path space for images of lights",
         ],
+    ),
+    (
+        "light that only chance meets",
+        ["chains of it start from rays of its own, which photons guide", "no rays look for what only chance meets"],
     ),
     ("narrow gloss", ["chains keep the slope at which a narrow lobe mirrors", "chains turn all directions by angles"]),
     ("transparency", ["shadow rays ask the opacity of what they meet", "shadow rays end at the first surface"]),
@@ -50,9 +54,23 @@ const FEATURES: [(&str, [&str; 2]); 11] = [
 /// All features.
 pub fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
     // A need that is not named here does not compile.
-    let Needs { specular, narrow, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps } = needs;
+    let Needs { specular, narrow, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps, .. } =
+        needs;
     let depth = matches!(lens, Lens::Thin { .. });
-    let present = [specular, narrow, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps, depth];
+    let present = [
+        specular,
+        met_by_chance,
+        narrow,
+        veils,
+        environment,
+        cones,
+        absorbs,
+        punctual,
+        suns,
+        textured,
+        normal_maps,
+        depth,
+    ];
     let features = FEATURES.into_iter().zip(present);
     features
         .map(|((name, [has, lacks]), present)| Feature { name, present, therefore: if present { has } else { lacks } })

@@ -142,6 +142,8 @@ pub struct StratumReport {
     pub b: f64,
     /// Standard error of `b`.
     pub b_stderr: f64,
+    /// Whether its paths are those that only chance meets.
+    pub met_by_chance: bool,
     /// Metropolis–Hastings steps in this stratum.
     pub mutations: u64,
     /// Longest run of them, in one chain, without an acceptance.
@@ -258,10 +260,13 @@ impl Report {
             return Ok(());
         }
         for (j, stratum) in self.strata.iter().take(STRATA_SHOWN).enumerate() {
-            let StratumReport { b, b_stderr, mutations, r_hat, effective_states, .. } = stratum;
+            let StratumReport { b, b_stderr, met_by_chance, mutations, r_hat, effective_states, .. } = stratum;
             write!(f, "  stratum {j:<6}  b {} ± {}, {mutations} mutations", number(*b), number(*b_stderr))?;
             if let (Some(r_hat), Some(states)) = (r_hat, effective_states) {
                 write!(f, ", worth {} independent states, R-hat {r_hat:.3}", short(*states))?;
+            }
+            if *met_by_chance {
+                write!(f, "; paths that only chance meets, such as light through glass, seen through glass")?;
             }
             writeln!(f)?;
         }
@@ -328,6 +333,7 @@ mod tests {
                 StratumReport {
                     b: 0.025,
                     b_stderr: 0.0001,
+                    met_by_chance: false,
                     mutations: 150_000,
                     longest_rejection: 31,
                     r_hat: Some(1.012),

@@ -16,7 +16,7 @@ pub use features::{NOWHERE, SurfaceFeatures, strongest_strata, surfaces};
 /// First bytes of what a pilot found.
 const MAGIC: [u8; 8] = *b"mlt-plan";
 /// Version of their format.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// A method that is set up for a view.
 #[derive(Debug)]
@@ -102,6 +102,15 @@ impl<'a> Renderer<'a> {
     pub fn decision(&self) -> Option<&Summary> {
         match &self.method {
             Prepared::Auto(auto) => Some(auto.decision()),
+            _ => None,
+        }
+    }
+
+    /// Number of the stratum of what only chance meets, where that is one of its own.
+    pub fn met_by_chance(&self) -> Option<usize> {
+        match &self.method {
+            Prepared::Auto(method) => method.met_by_chance(),
+            Prepared::Metropolis(method) => method.met_by_chance(),
             _ => None,
         }
     }

@@ -10,6 +10,8 @@ use crate::transport::colour::Rgb;
 pub struct Needs {
     /// A surface that scatters into discrete directions only.
     pub specular: bool,
+    /// That, and a light that rays may meet: paths that nothing but such a ray makes.
+    pub met_by_chance: bool,
     /// A surface with a narrow lobe, or whose roughness varies.
     pub narrow: bool,
     /// A surface that is not opaque.
@@ -36,15 +38,20 @@ impl Needs {
         let SceneDescription { materials, environment, punctual, .. } = description;
         let any =
             |has: fn(&Material) -> bool| description.all_meshes().any(|mesh| has(&materials[mesh.material as usize]));
+        let specular = any(|material| material.bsdf.is_delta());
+        let environment = environment.as_ref().is_some_and(Environment::is_lit);
+        let suns = punctual.iter().any(|light| light.is_lit() && light.has_extent());
+        let lamps = any(|material| material.emission != Rgb::ZERO);
         Self {
-            specular: any(|material| material.bsdf.is_delta()),
+            specular,
+            met_by_chance: specular && (lamps || environment || suns),
             narrow: any(Material::may_be_narrow),
             veils: any(Material::is_veil),
-            environment: environment.as_ref().is_some_and(Environment::is_lit),
+            environment,
             cones: any(|material| material.cone.is_some()),
             absorbs: any(|material| material.absorption != Rgb::ZERO),
             punctual: punctual.iter().any(|light| light.is_lit() && !light.has_extent()),
-            suns: punctual.iter().any(|light| light.is_lit() && light.has_extent()),
+            suns,
             textured: any(|material| material.textured.is_some()),
             normal_maps: any(|material| material.textured.as_ref().is_some_and(|t| t.maps.normal.is_some())),
         }

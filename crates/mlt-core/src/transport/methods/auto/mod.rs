@@ -178,7 +178,7 @@ impl Pilot<'_> {
 
     fn budget(&self, work: f64) -> Budget {
         let mutations_per_sample = mutations_per_sample(self.view, engine::MUTATIONS_PER_SAMPLE);
-        Budget { work, mutations_per_sample, met: self.view.scene.needs().specular }
+        Budget { work, mutations_per_sample, met: self.view.scene.needs().met_by_chance }
     }
 
     fn cut(&self) -> LightStrata {

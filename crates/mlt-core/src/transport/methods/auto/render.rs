@@ -94,6 +94,11 @@ impl<'a> Auto<'a> {
         &self.plan.summary
     }
 
+    /// Number of the stratum of what only chance meets: the last.
+    pub fn met_by_chance(&self) -> Option<usize> {
+        self.plan.shares.len().checked_sub(1).filter(|_| self.view.scene.needs().met_by_chance)
+    }
+
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
         let (view, plan, seed) = (self.view, &self.plan, self.settings.seed);

@@ -34,7 +34,7 @@ impl Plan {
             && samples > 0.0
             && samples <= MOST_SAMPLES * settings.per_pixel.max(1.0);
         let fits =
-            shares.is_empty() || shares.len() == strata.regions().len() + usize::from(view.scene.needs().specular);
+            shares.is_empty() || shares.len() == strata.regions().len() + usize::from(view.scene.needs().met_by_chance);
         match in_bounds && fits && (shares.is_empty() || !levels.is_dark()) {
             true => Ok(Self { strata, levels, branches, max_edges, samples, shares, summary: Summary::read(from)? }),
             false => Err(DecodeError::Damaged),

@@ -13,6 +13,7 @@
 //! docs/theory-strata.md, section 8. Sources: [Jensen95], photons as a guide for path tracing; [KatoMcCullagh20], the distribution.
 
 use crate::engine::{PILOT, Purpose, generator, uniform_f32};
+use crate::transport::geometry::Vertex;
 use crate::transport::geometry::math::{frame, turn, unit};
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::settings::Settings;
@@ -28,9 +29,9 @@ use std::ops::Range;
 /// Most photons that a place takes its directions from.
 const NEAR: usize = 16;
 /// Light subpaths for a sample of a round: they take a small part of its time.
-const PHOTONS: f64 = 0.5;
+const PHOTONS: f64 = 2.0;
 /// Fewest and most of them.
-const LIMITS: [f64; 2] = [1024.0, 16_384.0];
+const LIMITS: [f64; 2] = [1024.0, 262_144.0];
 /// Number of a round that nothing else has.
 const ROUND: u64 = PILOT + (1 << 41);
 /// Least width of a lobe: a thousandth of a radian.
@@ -47,18 +48,27 @@ pub(crate) struct Guide {
     photons: Vec<Photon>,
     /// Its nodes, each before those of its halves; empty without photons.
     nodes: Vec<Node>,
+    /// Length that a normal counts as: half of the photons' extent.
+    size: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Photon {
-    position: Vec3A,
+    at: Place,
     /// The specular vertex that it came from.
     from: Vec3A,
 }
 
+/// A point of a surface. Those of two walls are far apart in the tree, even in the corner.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    position: Vec3A,
+    normal: Vec3A,
+}
+
 #[derive(Clone, Debug)]
 enum Node {
-    /// Places with a coordinate below this one are in the next node, others in the one of this number.
+    /// Places with a coordinate below this one are in the next node, others in the one of this number. Axes from 3 on are the normal's.
     Halves { axis: usize, at: f32, other: usize },
     /// The photons of these numbers, and their fit.
     Leaf(Range<usize>, Fit),
@@ -80,11 +90,11 @@ struct Fit {
 }
 
 impl Guide {
-    /// For a render, and the rays that it took; empty if the scene has no specular surface.
+    /// For a render, and the rays that it took; empty if the scene has no paths that only chance meets.
     pub(crate) fn new(view: &View, settings: &Settings, lights: &LightRegion) -> (Self, u64) {
         let samples = settings.per_pixel * f64::from(view.camera.pixels());
         let walks = (PHOTONS * samples).clamp(LIMITS[0], LIMITS[1]) as u64;
-        let walks = if view.scene.needs().specular { walks } else { 0 };
+        let walks = if view.scene.needs().met_by_chance { walks } else { 0 };
         Self::of_walks(view, lights, (walks, settings.most_edges()), settings.seed)
     }
 
@@ -96,35 +106,43 @@ impl Guide {
             (photon, rays_traced() - before)
         };
         let walks: Vec<_> = (0..walks).into_par_iter().map(walk).collect();
-        let mut guide = Self { photons: walks.iter().filter_map(|(photon, _)| *photon).collect(), nodes: Vec::new() };
-        if !guide.photons.is_empty() {
-            guide.part(0..guide.photons.len());
-        }
+        let guide = Self::of(walks.iter().filter_map(|(photon, _)| *photon).collect());
         (guide, walks.iter().map(|(_, rays)| rays).sum())
     }
 
+    fn of(photons: Vec<Photon>) -> Self {
+        let (low, high) = bounds(&photons, |photon| photon.at.position);
+        let mut guide = Self { size: 0.5 * (high - low).max_element().max(0.0), photons, nodes: Vec::new() };
+        if !guide.photons.is_empty() {
+            guide.part(0..guide.photons.len());
+        }
+        guide
+    }
+
     /// Draws a direction at x; nothing where there are no photons.
-    pub(crate) fn sample(&self, x: Vec3A, rng: &mut impl Rng) -> Option<Vec3A> {
+    pub(crate) fn sample(&self, x: &Vertex, rng: &mut impl Rng) -> Option<Vec3A> {
         let (photons, fit) = self.near(x)?;
         let (fitted, chosen) = (uniform_f32(rng) < 0.5, uniform_f32(rng));
-        let of_photon = || photons[(chosen * photons.len() as f32) as usize].lobe(x);
-        let lobe = if fitted { fit.lobe(x) } else { of_photon() };
+        let of_photon = || photons[(chosen * photons.len() as f32) as usize].lobe(x.position);
+        let lobe = if fitted { fit.lobe(x.position) } else { of_photon() };
         Some(lobe.sample(uniform_f32(rng), uniform_f32(rng)))
     }
 
     /// What of (G1) is not the BSDF's, times two, sr⁻¹; nothing where there are no photons.
-    pub(crate) fn density(&self, x: Vec3A, direction: Vec3A) -> Option<f32> {
+    pub(crate) fn density(&self, x: &Vertex, direction: Vec3A) -> Option<f32> {
         let (photons, fit) = self.near(x)?;
-        let of_photons: f32 = photons.iter().map(|photon| photon.lobe(x).density(direction)).sum();
-        Some(0.5 * (fit.lobe(x).density(direction) + of_photons / photons.len() as f32))
+        let of_photons: f32 = photons.iter().map(|photon| photon.lobe(x.position).density(direction)).sum();
+        Some(0.5 * (fit.lobe(x.position).density(direction) + of_photons / photons.len() as f32))
     }
 
     /// The photons of the leaf that x is in.
-    fn near(&self, x: Vec3A) -> Option<(&[Photon], &Fit)> {
-        let mut node = 0;
+    fn near(&self, x: &Vertex) -> Option<(&[Photon], &Fit)> {
+        let (x, mut node) = (Place::of(x), 0);
         loop {
             match self.nodes.get(node)? {
-                &Node::Halves { axis, at, other } => node = if x[axis] < at { node + 1 } else { other },
+                &Node::Halves { axis, at, other } => {
+                    node = if x.coordinate(axis, self.size) < at { node + 1 } else { other }
+                }
                 Node::Leaf(photons, fit) => return Some((&self.photons[photons.clone()], fit)),
             }
         }
@@ -137,12 +155,17 @@ impl Guide {
             self.nodes.push(Node::Leaf(range, Fit::new(photons)));
             return;
         }
-        let bounds = |(low, high): (Vec3A, Vec3A), p: &Photon| (low.min(p.position), high.max(p.position));
-        let (low, high) = photons.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), bounds);
-        let axis = (high - low).max_position();
-        photons.sort_by(|a, b| a.position[axis].total_cmp(&b.position[axis]));
+        let extent = |(low, high): (Vec3A, Vec3A)| high - low;
+        let of_positions = extent(bounds(photons, |photon| photon.at.position));
+        let of_normals = self.size * extent(bounds(photons, |photon| photon.at.normal));
+        let axis = match of_positions.max_element() >= of_normals.max_element() {
+            true => of_positions.max_position(),
+            false => 3 + of_normals.max_position(),
+        };
+        let coordinate = |photon: &Photon| photon.at.coordinate(axis, self.size);
+        photons.sort_by(|a, b| coordinate(a).total_cmp(&coordinate(b)));
         let middle = photons.len() / 2;
-        let (at, node) = (photons[middle].position[axis], self.nodes.len());
+        let (at, node) = (coordinate(&photons[middle]), self.nodes.len());
         self.nodes.push(Node::Halves { axis, at, other: 0 });
         self.part(range.start..range.start + middle);
         let next = self.nodes.len();
@@ -151,16 +174,32 @@ impl Guide {
     }
 }
 
+/// The box of some vectors.
+fn bounds(photons: &[Photon], vector: impl Fn(&Photon) -> Vec3A) -> (Vec3A, Vec3A) {
+    let with = |(low, high): (Vec3A, Vec3A), v: Vec3A| (low.min(v), high.max(v));
+    photons.iter().map(vector).fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), with)
+}
+
+impl Place {
+    fn of(vertex: &Vertex) -> Self {
+        Self { position: vertex.position, normal: vertex.geometric_normal }
+    }
+
+    fn coordinate(&self, axis: usize, size: f32) -> f32 {
+        if axis < 3 { self.position[axis] } else { size * self.normal[axis - 3] }
+    }
+}
+
 impl Fit {
     /// The least squares of d_j − d̄ = G (x_j − x̄).
     fn new(photons: &[Photon]) -> Self {
         let n = photons.len() as f32;
-        let direction = |p: &Photon| Lobe::towards(p.from - p.position, 1.0).axis;
-        let place = photons.iter().map(|p| p.position).sum::<Vec3A>() / n;
+        let direction = |p: &Photon| Lobe::towards(p.from - p.at.position, 1.0).axis;
+        let place = photons.iter().map(|p| p.at.position).sum::<Vec3A>() / n;
         let mean = photons.iter().map(direction).sum::<Vec3A>() / n;
-        let square = photons.iter().map(|p| (p.position - place).length_squared()).sum::<f32>() / n;
+        let square = photons.iter().map(|p| (p.at.position - place).length_squared()).sum::<f32>() / n;
         let scale = if square > 0.0 { square.sqrt().recip() } else { 0.0 };
-        let step = |p: &Photon| scale * (p.position - place);
+        let step = |p: &Photon| scale * (p.at.position - place);
         let outer = |a: Vec3A, b: Vec3A| Mat3A::from_cols(a * b.x, a * b.y, a * b.z);
         let of_places = photons.iter().map(|p| outer(step(p), step(p))).sum::<Mat3A>();
         let of_both = photons.iter().map(|p| outer(direction(p) - mean, step(p))).sum::<Mat3A>();
@@ -182,7 +221,7 @@ impl Photon {
     fn lobe(&self, x: Vec3A) -> Lobe {
         let to_specular = self.from - x;
         let square = to_specular.length_squared().max(f32::MIN_POSITIVE);
-        Lobe::towards(to_specular, 0.5 * (self.position - x).length_squared() / square)
+        Lobe::towards(to_specular, 0.5 * (self.at.position - x).length_squared() / square)
     }
 }
 
@@ -231,7 +270,7 @@ fn photon(view: &View, lights: &LightRegion, max_edges: usize, rng: &mut impl Rn
         step_from_light(&mut vertices, i, view, rng)?;
         let [from, x] = [vertices[i].vertex, vertices[i + 1].vertex];
         if !x.delta {
-            return (i > 0).then_some(Photon { position: x.position, from: from.position });
+            return (i > 0).then_some(Photon { at: Place::of(&x), from: from.position });
         }
     }
     None
@@ -272,17 +311,17 @@ mod tests {
         let photon = |i: u64| {
             let rng = &mut generator(2, Purpose::Sample, 0, 0, i);
             let position = Vec3A::new(uniform_f32(rng), 0.0, uniform_f32(rng)) * 0.2;
-            Photon { position, from: position + (image - position) / (image.y - position.y) }
+            let from = position + (image - position) / (image.y - position.y);
+            Photon { at: Place { position, normal: Vec3A::Y }, from }
         };
-        let mut guide = Guide { photons: (0..NEAR as u64).map(photon).collect(), nodes: Vec::new() };
-        guide.part(0..NEAR);
-        let x = Vec3A::new(0.07, 0.0, 0.13);
-        let (photons, fit) = guide.near(x).expect("photons");
+        let guide = Guide::of((0..NEAR as u64).map(photon).collect());
+        let vertex = Vertex::camera(Vec3A::new(0.07, 0.0, 0.13), Vec3A::Y);
+        let ((photons, fit), x) = (guide.near(&vertex).expect("photons"), vertex.position);
         let right = unit(image - x);
         assert!(fit.lobe(x).axis.distance(right) < 2e-3, "{fit:?}");
         let of_photons = photons.iter().map(|photon| photon.lobe(x).density(right)).sum::<f32>() / NEAR as f32;
         assert!(fit.lobe(x).density(right) > 100.0 * of_photons, "{of_photons}");
-        assert_eq!(Guide::default().density(x, right), None);
+        assert_eq!(Guide::default().density(&vertex, right), None);
     }
 
     /// Photons at one place, some of which came from there, and rooms of any size.
@@ -290,13 +329,14 @@ mod tests {
     fn directions_are_directions_wherever_photons_lie() {
         for size in [0.0, 1e-12, 1.0, 1e12] {
             let at = |i: usize| Vec3A::new((i % 3) as f32, 0.0, (i % 5) as f32) * size;
-            let photon = |i: usize| Photon { position: at(i), from: at(i) + Vec3A::Y * size * (i % 2) as f32 };
+            let place = |i: usize| Place { position: at(i), normal: if i % 4 == 0 { Vec3A::X } else { Vec3A::Y } };
+            let photon = |i: usize| Photon { at: place(i), from: at(i) + Vec3A::Y * size * (i % 2) as f32 };
             for count in [1, 2, 5, 40] {
-                let mut guide = Guide { photons: (0..count).map(photon).collect(), nodes: Vec::new() };
-                guide.part(0..count);
+                let guide = Guide::of((0..count).map(photon).collect());
                 for i in 0..20 {
-                    let direction = guide.sample(at(i), &mut generator(3, Purpose::Sample, 0, 0, i as u64));
-                    let density = direction.and_then(|direction| guide.density(at(i), direction));
+                    let x = Vertex::camera(at(i), Vec3A::Y);
+                    let direction = guide.sample(&x, &mut generator(3, Purpose::Sample, 0, 0, i as u64));
+                    let density = direction.and_then(|direction| guide.density(&x, direction));
                     assert!(direction.is_some_and(|d| (d.length() - 1.0).abs() < 1e-5), "{size} {count} {direction:?}");
                     assert!(density.is_some_and(|p| p > 0.0 && p.is_finite()), "{size} {count} {density:?}");
                 }

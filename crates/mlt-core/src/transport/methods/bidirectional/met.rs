@@ -58,7 +58,7 @@ impl ByChance<'_> {
         }
         let x = &vertices[i].vertex;
         let guide = self.guide.filter(|_| !x.delta && uniform_f32(rng) < 0.5);
-        match guide.and_then(|guide| guide.sample(x.position, rng)) {
+        match guide.and_then(|guide| guide.sample(x, rng)) {
             Some(direction) => follow_from_eye(vertices, i, direction, view, rng)?,
             None => step_from_eye(vertices, i, view, rng)?,
         }
@@ -70,7 +70,7 @@ impl ByChance<'_> {
     fn quotient(&self, vertices: &[PathVertex], i: usize) -> f64 {
         let (x, to_light) = (&vertices[i].vertex, &vertices[i - 1]);
         let guide = self.guide.filter(|_| !x.delta);
-        let guided = guide.and_then(|guide| guide.density(x.position, -to_light.to_eye));
+        let guided = guide.and_then(|guide| guide.density(x, -to_light.to_eye));
         guided.map_or(1.0, |density| 2.0 / (1.0 + to_light.per_area_here(density) / to_light.reverse))
     }
 

@@ -65,6 +65,11 @@ impl<'a> PathMetropolis<'a> {
         bytes
     }
 
+    /// Number of the stratum of what only chance meets.
+    pub fn met_by_chance(&self) -> Option<usize> {
+        self.chains.strata(&self.found.strata).iter().position(LightStratum::is_met)
+    }
+
     /// Adds rounds.
     pub fn render(&self, run: Run) -> Outcome {
         let strata = paired(self.chains.strata(&self.found.strata), &self.found.shares);

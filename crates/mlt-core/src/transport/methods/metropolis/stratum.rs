@@ -49,8 +49,7 @@ impl<'a> LightStratum<'a> {
     /// The products of the lights' parts and of classes; after them, what is met by chance, where there are several parts and a
     /// specular surface. Its lengths are one class.
     pub(crate) fn product(strata: &'a LightStrata, view: View<'a>, max_edges: usize, classes: Classes) -> Vec<Self> {
-        let specular = view.scene.needs().specular;
-        let apart = specular && strata.regions().len() > 1;
+        let apart = view.scene.needs().met_by_chance && strata.regions().len() > 1;
         let of_part = |index: usize| {
             let held = if apart { Held::Connected(index as u32) } else { Held::Part(index as u32) };
             let of_class = move |class| Self::new(strata, (held, &strata.regions()[index]), class, view, max_edges);
@@ -67,9 +66,9 @@ impl<'a> LightStratum<'a> {
         classes.all(max_edges, view.scene.needs().specular && parts == 1)
     }
 
-    /// The paths of some kinds in each of the lights' parts; after them, where there is a specular surface, what is met by chance.
+    /// The paths of some kinds in each of the lights' parts; after them, what is met by chance.
     pub(crate) fn of_kinds(strata: &'a LightStrata, kinds: Kinds, view: View<'a>, max_edges: usize) -> Vec<Self> {
-        let apart = view.scene.needs().specular;
+        let apart = view.scene.needs().met_by_chance;
         let held = |index| if apart { Held::Connected(index) } else { Held::Part(index) };
         let parts = (0..).zip(strata.regions()).map(|(index, region)| (held(index), region));
         let met = apart.then_some((Held::Met, strata.whole()));
