@@ -54,8 +54,19 @@ const FEATURES: [(&str, [&str; 2]); 12] = [
 /// All features.
 pub fn features(needs: Needs, lens: &Lens) -> Vec<Feature> {
     // A need that is not named here does not compile.
-    let Needs { specular, narrow, veils, environment, cones, absorbs, punctual, suns, textured, normal_maps, .. } =
-        needs;
+    let Needs {
+        specular,
+        met_by_chance,
+        narrow,
+        veils,
+        environment,
+        cones,
+        absorbs,
+        punctual,
+        suns,
+        textured,
+        normal_maps,
+    } = needs;
     let depth = matches!(lens, Lens::Thin { .. });
     let present = [
         specular,

@@ -62,6 +62,7 @@ fn together(report: &Report) -> StratumReport {
     StratumReport {
         b: report.b,
         b_stderr: report.b_stderr,
+        met_by_chance: false,
         mutations: report.mutations,
         longest_rejection: report.strata.iter().map(|s| s.longest_rejection).max().unwrap_or(0),
         r_hat: None,

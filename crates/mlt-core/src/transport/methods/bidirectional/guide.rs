@@ -152,8 +152,7 @@ impl Guide {
     fn part(&mut self, range: Range<usize>) {
         let photons = &mut self.photons[range.clone()];
         if photons.len() <= NEAR {
-            self.nodes.push(Node::Leaf(range, Fit::new(photons)));
-            return;
+            return self.nodes.push(Node::Leaf(range, Fit::new(photons)));
         }
         let extent = |(low, high): (Vec3A, Vec3A)| high - low;
         let of_positions = extent(bounds(photons, |photon| photon.at.position));
@@ -164,8 +163,17 @@ impl Guide {
         };
         let coordinate = |photon: &Photon| photon.at.coordinate(axis, self.size);
         photons.sort_by(|a, b| coordinate(a).total_cmp(&coordinate(b)));
-        let middle = photons.len() / 2;
-        let (at, node) = (coordinate(&photons[middle]), self.nodes.len());
+        // Photons with the same coordinate stay together.
+        let median = coordinate(&photons[photons.len() / 2]);
+        let middle = match photons.partition_point(|photon| coordinate(photon) < median) {
+            0 => photons.partition_point(|photon| coordinate(photon) <= median),
+            below => below,
+        };
+        let Some(first) = photons.get(middle) else {
+            // All are at one place.
+            return self.nodes.push(Node::Leaf(range.start..range.start + NEAR, Fit::new(&photons[..NEAR])));
+        };
+        let (at, node) = (coordinate(first), self.nodes.len());
         self.nodes.push(Node::Halves { axis, at, other: 0 });
         self.part(range.start..range.start + middle);
         let next = self.nodes.len();
@@ -322,6 +330,24 @@ mod tests {
         let of_photons = photons.iter().map(|photon| photon.lobe(x).density(right)).sum::<f32>() / NEAR as f32;
         assert!(fit.lobe(x).density(right) > 100.0 * of_photons, "{of_photons}");
         assert_eq!(Guide::default().density(&vertex, right), None);
+    }
+
+    /// The floor's and the wall's are not mixed up in the corner.
+    #[test]
+    fn photons_of_two_walls_are_apart() {
+        let photon = |i: usize| {
+            let (along, up) = ((i % 8) as f32, (i / 8) as f32 * 1e-3);
+            let (position, normal) = match i % 3 {
+                0 => (Vec3A::new(along, up, 0.0), Vec3A::Z),
+                _ => (Vec3A::new(along, 0.0, up), Vec3A::Y),
+            };
+            Photon { at: Place { position, normal }, from: position + Vec3A::ONE }
+        };
+        let guide = Guide::of((0..96).map(photon).collect());
+        for normal in [Vec3A::Y, Vec3A::Z] {
+            let (photons, _) = guide.near(&Vertex::camera(Vec3A::new(3.0, 0.0, 0.0), normal)).expect("photons");
+            assert!(photons.iter().all(|photon| photon.at.normal == normal), "{normal} {photons:?}");
+        }
     }
 
     /// Photons at one place, some of which came from there, and rooms of any size.
