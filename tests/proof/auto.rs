@@ -40,7 +40,8 @@ fn shared_out(world: &World, cut: Stratification, level: f64, numbers: [usize; 2
     let view = View { scene: &world.scene, camera: &camera };
     let one = |round| {
         let strata = LightStrata::new(world.scene.lights(), cut);
-        let shares = vec![Share { mutations: 200_000, samples: 50_000 }; strata.regions().len()];
+        // What only chance meets is one more stratum.
+        let shares = vec![Share { mutations: 200_000, samples: 50_000 }; strata.regions().len() + 1];
         let plan = Plan::new(strata, (level, 512.0), numbers, shares);
         let renderer = Renderer::with_plan(view, settings(Method::Auto, Whole, 1.0), plan);
         let mut sums = renderer.sums();
@@ -75,7 +76,7 @@ fn means_of_mixtures(world: &World) -> Vec<(f64, f64, f64)> {
     let of_seed = |seed| {
         let strata = LightStrata::new(world.scene.lights(), Whole);
         // Few samples for b, so that the error that pixels have in common is not small.
-        let shares = vec![Share { mutations: 4000, samples: 64 }];
+        let shares = vec![Share { mutations: 4000, samples: 64 }; 2];
         let plan = Plan::new(strata, (0.001, 256.0), [1, MOST_EDGES], shares);
         let settings = settings(Method::Auto, Whole, 1.0).with(|s| s.seed = seed);
         let renderer = Renderer::with_plan(view, settings, plan);

@@ -94,6 +94,10 @@ impl<'a> Renderer<'a> {
     }
 
     /// A render with [`Method::Auto`] that follows a plan of the caller's.
+    ///
+    /// # Panics
+    ///
+    /// In a round, if the plan has not as many shares as [`Plan::new`] asks for.
     pub fn with_plan(view: View<'a>, settings: Settings, plan: Plan) -> Self {
         Self { view, method: Prepared::Auto(Auto::with_plan(view, settings, plan)) }
     }

@@ -24,8 +24,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// A plan of the caller's: path tracing with `samples` of each pixel in a round, and chains with one of `shares` for each of the strata, where
-    /// `level` is the luminance that every pixel is expected to show.
+    /// A plan of the caller's: path tracing with `samples` of each pixel in a round, and chains with one of `shares` for each of the strata, and one
+    /// more where a scene has paths that only chance meets ([`Needs`](crate::transport::scene::Needs)); `level` is the luminance that every pixel is expected to show.
     pub fn new(
         strata: LightStrata,
         (level, samples): (f64, f64),
