@@ -137,7 +137,10 @@ impl Scene {
             if passed <= 0.0 {
                 return None;
             }
-            way.from = veil.origin(way.step());
+            let Some(rest) = way.behind(&veil) else {
+                return Some(passed);
+            };
+            way = rest;
         }
     }
 }

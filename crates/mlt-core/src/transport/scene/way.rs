@@ -6,7 +6,7 @@ use glam::Vec3A;
 /// The way between two vertices, off their surfaces.
 #[derive(Clone, Copy)]
 pub(super) struct Way {
-    pub(super) from: Vec3A,
+    from: Vec3A,
     to: Vec3A,
     /// Whether `to` is the direction of a way without end.
     pub(super) endless: bool,
@@ -41,10 +41,41 @@ impl Way {
         if self.endless { self.to } else { self.to - self.from }
     }
 
+    /// What is left of it behind a surface on it; nothing where that is within rounding of the end, from which the rest would lead back,
+    /// and for ever back and forth among surfaces that are clear.
+    #[inline(always)]
+    pub(super) fn behind(&self, surface: &Vertex) -> Option<Self> {
+        let step = self.step();
+        let rest = Self { from: surface.origin(step), ..*self };
+        (rest.step().dot(step) > 0.0).then_some(rest)
+    }
+
     /// The ray that goes it.
     #[inline(always)]
     pub(super) fn ray(&self) -> Ray {
         let t_max = if self.endless { f32::INFINITY } else { 1.0 };
         Ray { origin: self.from.into(), direction: self.step().into(), t_max }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A point on a surface across the x axis, found to so much.
+    fn across(x: f32, error: f32) -> Vertex {
+        Vertex { error, ..Vertex::camera(Vec3A::X * x, Vec3A::X) }
+    }
+
+    #[test]
+    fn a_way_ends_behind_a_surface_that_is_within_rounding_of_its_end() {
+        let way = Way::segment(&across(0.0, 1e-6), &across(1.0, 1e-6));
+        for (x, error, goes_on) in [(0.5, 1e-6, true), (0.9999, 1e-6, true), (0.9999, 1e-3, false), (0.5, 0.6, false)] {
+            let rest = way.behind(&across(x, error));
+            assert_eq!(rest.is_some(), goes_on, "{x} {error}");
+            assert!(rest.is_none_or(|rest| rest.step().x > 0.0 && rest.to == way.to));
+        }
+        let endless = Way { endless: true, ..way };
+        assert!(endless.behind(&across(0.9999, 1e-3)).is_some());
     }
 }
