@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn pixels_out_of_range_are_named() {
         let mut film = Film::<3>::new(4, 1.0);
-        for value in [1e11, 3e11] {
+        for value in [1e15, 3e15] {
             let mut deposits = film.deposits();
             deposits.deposit(Splat { site: 3, value: [value; 3] }, 1.0);
             film.add(&[deposits]);

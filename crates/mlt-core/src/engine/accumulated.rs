@@ -6,7 +6,7 @@ use super::{Counted, DecodeError, Film, MergeError, Reader, Rounds, sealed, unse
 /// First bytes of the format.
 const MAGIC: [u8; 8] = *b"mlt-sums";
 /// Version of the format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Names and values of what decides the bits of a round: scene, method, seed and so on. Only what has the same key adds up.
 pub type Key = Vec<(String, String)>;

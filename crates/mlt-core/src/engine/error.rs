@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn errors_that_are_not_known_stay_so_and_do_not_spread() {
-        let film = film(|site, round| if site == 820 { 1e12 } else { f64::from(round % 2) });
+        let film = film(|site, round| if site == 820 { 1e15 } else { f64::from(round % 2) });
         let errors = film.standard_errors();
         assert!(errors[820][0].is_infinite() && errors[821][0].is_finite());
     }
