@@ -190,7 +190,7 @@ mod tests {
         let close = |sums: &mut Accumulated<1, u64>, round: u64| {
             let mut deposits = sums.film.deposits();
             deposits.deposit(Splat { site: 0, value: [value(round)] }, 1.0);
-            sums.film.add(&[deposits]);
+            sums.film.add(&mut [deposits]);
             sums.film.close_round(round, 1);
         };
         held.iter().cloned().flatten().for_each(|round| close(&mut sums, round));

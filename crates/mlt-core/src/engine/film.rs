@@ -105,7 +105,8 @@ impl<const C: usize> Film<C> {
     }
 
     /// Adds tasks' deposits to the current round, in their order.
-    pub fn add(&mut self, tasks: &[Deposits<C>]) {
+    pub fn add(&mut self, tasks: &mut [Deposits<C>]) {
+        tasks.par_iter_mut().for_each_init(Vec::new, |scratch, task| task.sort(scratch));
         tasks.iter().for_each(|task| self.lost.merge(task.lost()));
         self.begin();
         let shift = self.shift;
@@ -250,7 +251,7 @@ mod tests {
             let mut deposits = film.deposits();
             deposits.deposit(Splat { site: 1, value: [value] }, 0.5);
             deposits.deposit(Splat { site: 1, value: [value] }, 0.5);
-            film.add(&[deposits]);
+            film.add(&mut [deposits]);
             film.close_round(number, weight);
         }
     }
@@ -289,7 +290,7 @@ mod tests {
         rounds(&mut used, &[(1.0, 1), (f64::NAN, 2)]);
         let mut deposits = used.deposits();
         deposits.deposit(Splat { site: 0, value: [1.0] }, 1.0);
-        used.add(&[deposits]);
+        used.add(&mut [deposits]);
         used.clear();
         [&mut used, &mut new].into_iter().for_each(|film| rounds(film, &[(2.0, 3), (4.0, 3)]));
         let bytes = |film: &Film<1>| {
@@ -320,7 +321,7 @@ mod tests {
                 let mut deposits = film.deposits();
                 deposits.deposit(Splat { site: 0, value: [a, 2.0 * a] }, 1.0);
                 deposits.deposit(Splat { site: 1, value: [b, 0.0] }, 1.0);
-                film.add(&[deposits]);
+                film.add(&mut [deposits]);
                 film.close_round(round, 1);
             }
             film
