@@ -63,7 +63,7 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         self.film.finish();
     }
 
-    /// Forgets all rounds, and keeps the film's memory.
+    /// Forgets all rounds.
     pub fn clear(&mut self) {
         self.film.clear();
         self.tally = T::default();
