@@ -59,7 +59,7 @@ fn measure<E: Estimator<3>>(estimator: &E, film: &mut Film<3>, blocks: usize) ->
             let (tally, seconds) = timed(|| estimator.run(&prepared, task, &mut deposits[0]));
             tallies.push(tally);
             tasks.push(seconds);
-            add += timed(|| film.add(&deposits)).1;
+            add += timed(|| film.add(&mut deposits)).1;
         }
         let ((), close) = timed(|| film.close_round(number, estimator.weight(number)));
         let ((), tally) = timed(|| estimator.tally(&mut total, &prepared, tallies));

@@ -115,6 +115,29 @@ fn a_signal_keeps_what_is_done_and_tells_by_the_exit_code() {
     }
 }
 
+/// Two rounds of half a second; the signal comes in the first one, which is kept where it ends within 3 s.
+#[cfg(unix)]
+#[test]
+fn a_signal_lets_the_round_in_work_end() {
+    let (folder, start) = (folder(), Instant::now());
+    let line = "render cornell --size 32x32 --threads 1 --quiet --method mlt --mutations-per-pixel 800 --rounds 2";
+    made(&folder, &format!("{line} -o whole.exr"));
+    let time = start.elapsed();
+    let mut child =
+        command(folder.path(), &format!("{line} -o a.mltp")).stderr(Stdio::null()).spawn().expect("mlt starts");
+    sleep(time.mul_f64(0.35));
+    let kill = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    assert!(kill.expect("kill starts").success());
+    assert_eq!(child.wait().expect("ended").code(), Some(143));
+    let kept = folder.path().join("a.mltp").exists();
+    assert!(kept || time > Duration::from_secs(5), "two rounds took {time:?}");
+    if kept {
+        assert_eq!(held(&folder, "a.mltp").sums.rounds().count(), 1);
+        made(&folder, &format!("{line} --resume a.mltp -o b.exr"));
+        assert!(same(&folder, "whole.exr", "b.exr"));
+    }
+}
+
 #[test]
 fn a_larger_budget_extends_and_a_smaller_one_is_refused() {
     let folder = folder();

@@ -9,23 +9,28 @@ use std::{
 use anyhow::Context;
 use tempfile::NamedTempFile;
 
-/// Puts `bytes` at `path`: into a temporary file beside it, to the disk, then renamed.
+/// Puts `bytes` at `path`; see [`write_with`].
+pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_with(path, |file| Ok(file.write_all(bytes)?))
+}
+
+/// Puts what `content` writes at `path`: into a temporary file beside it, to the disk, then renamed.
 ///
 /// On failure the error names the file, what stood at `path` stays, and nothing new is left behind. A file that is
 /// replaced keeps its permissions; a new one gets the usual ones. A symbolic link is followed, not replaced, whether there is a file at
 /// its end or not.
-pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    replace(path, bytes).with_context(|| format!("{}: cannot be written", path.display()))
+pub fn write_with(path: &Path, content: impl FnOnce(&mut File) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    replace(path, content).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
-fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+fn replace(path: &Path, content: impl FnOnce(&mut File) -> anyhow::Result<()>) -> anyhow::Result<()> {
     let target = followed(path)?;
     let folder = folder_of(&target);
     let mut file = temporary_in(&folder)?;
     if let Ok(existing) = fs::metadata(&target) {
         file.as_file().set_permissions(existing.permissions())?;
     }
-    file.write_all(bytes)?;
+    content(file.as_file_mut())?;
     file.as_file().sync_all()?;
     file.persist(&target).map_err(|error| error.error)?;
     // The rename itself reaches the disk with the folder; where a folder cannot be synchronised it still happened.

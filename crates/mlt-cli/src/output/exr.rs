@@ -2,24 +2,26 @@
 
 use std::{
     fs::File,
-    io::{BufReader, Cursor},
+    io::{BufReader, Cursor, Read, SeekFrom},
     path::Path,
 };
 
 use ::exr::{
-    image::write::channels::WritableChannels,
+    block::lines::LineRefMut,
+    image::write::samples::{SamplesWriter, WritableSamples},
+    math::RoundingMode,
     meta::{
-        attribute::{AttributeValue, IntegerBounds, Text},
+        attribute::{AttributeValue, IntegerBounds, LevelMode, SampleType, Text},
         header::{Header, ImageAttributes, LayerAttributes},
     },
     prelude::{
-        AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as ExrImage, Layer, LineOrder,
-        ReadChannels, ReadLayers, ReadSpecificChannel, Vec2, WritableImage, read as exr_read,
+        AnyChannel, AnyChannels, Blocks, Compression, Encoding, Image as ExrImage, Layer, LineOrder, ReadChannels,
+        ReadLayers, ReadSpecificChannel, Vec2, WritableImage, read as exr_read,
     },
 };
 use anyhow::{Context, bail};
 
-use super::{Attributes, Channel, Frame, check_size};
+use super::{Attributes, Frame, Medium, check_size, errors::Errors};
 use crate::{image::Image, require_memory};
 
 /// The first bytes of every OpenEXR file.
@@ -44,28 +46,90 @@ pub struct ExrFile {
     pub attributes: Vec<(String, String)>,
 }
 
+/// Where the numbers of a channel are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Source<'a> {
+    /// One of the three that each pixel has.
+    Component(&'a [[f32; 3]], usize),
+    /// One for each pixel.
+    Values(&'a [f32]),
+    /// Standard errors of a channel of a film.
+    Errors(&'a Errors<'a>, usize),
+}
+
+impl<'a> Source<'a> {
+    /// The channels of three numbers a pixel, of these names.
+    pub(super) fn of_triples(names: [&'a str; 3], triples: &'a [[f32; 3]]) -> [(&'a str, Self); 3] {
+        std::array::from_fn(|i| (names[i], Self::Component(triples, i)))
+    }
+
+    /// How many there are, where they are all there.
+    fn count(&self) -> Option<usize> {
+        match self {
+            Self::Component(triples, _) => Some(triples.len()),
+            Self::Values(values) => Some(values.len()),
+            Self::Errors(..) => None,
+        }
+    }
+}
+
+impl<'a> WritableSamples<'_> for Source<'a> {
+    type Writer = Source<'a>;
+
+    fn sample_type(&self) -> SampleType {
+        SampleType::F32
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&self, _: &Header) -> Self::Writer {
+        *self
+    }
+}
+
+impl SamplesWriter for Source<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let (row, width) = (line.location.position.y(), line.location.sample_count);
+        let written = match *self {
+            Self::Component(triples, i) => line.write_samples(|x| triples[row * width + x][i]),
+            Self::Values(values) => line.write_samples_from_slice(&values[row * width..][..width]),
+            Self::Errors(errors, i) => line.write_samples_from_slice(&errors.line(row, i)),
+        };
+        written.expect("a line in memory takes its numbers");
+    }
+}
+
 /// The file's bytes: 32-bit float channels, losslessly compressed. Same input, same bytes.
 ///
 /// `stderr`: as many pixels as the image. `attributes`: names (each once) and UTF-8 texts for the header.
 pub fn encode(image: &Image, stderr: Option<&[[f32; 3]]>, attributes: &Attributes) -> anyhow::Result<Vec<u8>> {
-    let channels: Vec<_> = stderr.into_iter().flat_map(|stderr| Channel::of_triples(STDERR, stderr)).collect();
-    encode_channels(image, &channels, Frame::whole(image), attributes)
+    let channels: Vec<_> = stderr.into_iter().flat_map(|stderr| Source::of_triples(STDERR, stderr)).collect();
+    let mut file = Cursor::new(Vec::new());
+    write(image, &channels, (Frame::whole(image), attributes), &mut file)?;
+    Ok(file.into_inner())
 }
 
-/// The same with any channels beside the image's, of an image that may be a part of a larger one: the data window of the display
-/// window.
-pub fn encode_channels(
+/// Writes the same with any channels beside the image's, of an image that may be a part of a larger one: the data window of the display
+/// window. No more than a line is encoded at a time.
+pub(super) fn write(
     image: &Image,
-    channels: &[Channel],
-    frame: Frame,
-    attributes: &Attributes,
-) -> anyhow::Result<Vec<u8>> {
-    if let Some(other) = channels.iter().find(|channel| channel.values.len() != image.rgb.len()) {
-        bail!("the channel {} does not have the image's size", other.name);
+    channels: &[(&str, Source)],
+    (frame, attributes): (Frame, &Attributes),
+    mut to: &mut dyn Medium,
+) -> anyhow::Result<()> {
+    let differs = |source: &Source| source.count().is_some_and(|count| count != image.rgb.len());
+    if let Some((name, _)) = channels.iter().find(|(_, source)| differs(source)) {
+        bail!("the channel {name} does not have the image's size");
     }
-    let colour = Channel::of_triples(["R", "G", "B"], &image.rgb);
-    let all = colour.into_iter().chain(channels.iter().cloned());
-    let list = all.map(|channel| AnyChannel::new(channel.name.as_str(), FlatSamples::F32(channel.values)));
+    let all = Source::of_triples(["R", "G", "B"], &image.rgb).into_iter().chain(channels.iter().copied());
+    let all = all.map(|(name, sample_data)| AnyChannel {
+        name: name.into(),
+        sample_data,
+        quantize_linearly: false,
+        sampling: Vec2(1, 1),
+    });
     let text = |text: &str| Text::from_slice_unchecked(text.as_bytes());
     let attribute = |(name, value): &(String, String)| (text(name), AttributeValue::Text(text(value)));
     let header = LayerAttributes {
@@ -73,23 +137,32 @@ pub fn encode_channels(
         other: attributes.iter().map(attribute).collect(),
         ..LayerAttributes::default()
     };
-    bytes(&ExrImage {
+    let file = ExrImage {
         attributes: ImageAttributes::new(IntegerBounds::from_dimensions(Vec2(frame.size[0], frame.size[1]))),
         layer_data: Layer {
-            channel_data: AnyChannels::sort(list.collect()),
+            channel_data: AnyChannels::sort(all.collect()),
             attributes: header,
             size: Vec2(image.width, image.height),
             encoding: ENCODING,
         },
-    })
+    };
+    file.write().non_parallel().to_unbuffered(&mut to)?;
+    let texts: usize = attributes.iter().map(|(name, value)| name.len() + value.len() + MOST_OF_ATTRIBUTE).sum();
+    sort_attributes_of(to, texts + MOST_OF_HEADER)
 }
 
-fn bytes<'a, C: WritableChannels<'a> + 'a>(image: &'a ExrImage<Layer<C>>) -> anyhow::Result<Vec<u8>> {
-    let mut file = Cursor::new(Vec::new());
-    image.write().non_parallel().to_buffered(&mut file)?;
-    let mut file = file.into_inner();
-    sort_attributes(&mut file).context("the encoder wrote a header of an unknown form")?;
-    Ok(file)
+/// Most bytes of a header without the texts, and of a text without its name and value.
+const MOST_OF_HEADER: usize = 1 << 16;
+const MOST_OF_ATTRIBUTE: usize = 16;
+
+/// [`sort_attributes`] in a file whose header has so many bytes at most.
+fn sort_attributes_of(file: &mut dyn Medium, most: usize) -> anyhow::Result<()> {
+    let mut header = Vec::new();
+    file.seek(SeekFrom::Start(0))?;
+    Read::take(&mut *file, most as u64).read_to_end(&mut header)?;
+    sort_attributes(&mut header).context("the encoder wrote a header of an unknown form")?;
+    file.seek(SeekFrom::Start(0))?;
+    Ok(file.write_all(&header)?)
 }
 
 /// Puts the header's attributes in the order of their names, in place: the encoder keeps them in a hash map, whose

@@ -31,7 +31,7 @@ pub fn encode(image: &Image, exposure: f64, attributes: &Attributes) -> anyhow::
     };
     let mut file = Vec::new();
     JpegEncoder::new_with_quality(&mut file, QUALITY).write_image(
-        &srgb::bytes(image, exposure),
+        &srgb::bytes(&image.rgb, exposure),
         width.into(),
         height.into(),
         ExtendedColorType::Rgb8,

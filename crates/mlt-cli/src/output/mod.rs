@@ -10,6 +10,7 @@ use anyhow::{Context, bail};
 use crate::image::Image;
 
 mod decoder;
+mod errors;
 mod existing;
 pub mod exr;
 mod format;
@@ -24,7 +25,7 @@ mod target;
 pub use existing::check_existing;
 pub use format::Format;
 pub use picture::{Channel, Frame, Picture};
-pub use target::{OutputFile, check_target, check_targets};
+pub use target::{Medium, OutputFile, check_target, check_targets};
 
 /// Largest width and height of an image, pixels.
 pub const MAX_SIDE: usize = 65_536;

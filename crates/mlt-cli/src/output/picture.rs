@@ -1,9 +1,12 @@
 //! The content of an image file.
 
+use std::io::Cursor;
+
 use anyhow::bail;
+use mlt_core::engine::Film;
 use serde::Serialize;
 
-use super::{Format, exr, hdr, jpg, png};
+use super::{Format, Medium, errors::Errors, exr, exr::Source, hdr, jpg, png};
 use crate::image::Image;
 
 /// A number for each pixel, beside the image's three.
@@ -41,9 +44,11 @@ impl Frame {
 
 /// All that an image file may hold; each format has its share of it.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct Picture<'a> {
     /// The pixels.
     pub image: Image,
+    /// The film whose pixels' standard errors are further channels, for OpenEXR.
+    pub errors: Option<&'a Film<3>>,
     /// Further channels, for OpenEXR.
     pub channels: Vec<Channel>,
     /// Where the image lies, for OpenEXR.
@@ -54,16 +59,31 @@ pub struct Picture {
     pub exposure: f64,
 }
 
-impl Picture {
+impl Picture<'_> {
     /// The bytes of a file of it. Same picture, same bytes.
     pub fn encode(&self, format: Format) -> anyhow::Result<Vec<u8>> {
-        let Self { image, channels, frame, attributes, exposure } = self;
+        let mut bytes = Cursor::new(Vec::new());
+        self.write(format, &mut bytes)?;
+        Ok(bytes.into_inner())
+    }
+
+    /// Writes these bytes; OpenEXR and PNG a row at a time.
+    pub fn write(&self, format: Format, to: &mut dyn Medium) -> anyhow::Result<()> {
+        let Self { image, attributes, exposure, .. } = self;
         match format {
-            Format::Exr => exr::encode_channels(image, channels, *frame, attributes),
-            Format::Hdr => hdr::encode(image, attributes),
-            Format::Png => png::encode(image, *exposure, attributes),
-            Format::Jpg => jpg::encode(image, *exposure, attributes),
+            Format::Exr => self.write_exr(to),
+            Format::Hdr => Ok(to.write_all(&hdr::encode(image, attributes)?)?),
+            Format::Png => png::write(image, *exposure, attributes, to),
+            Format::Jpg => Ok(to.write_all(&jpg::encode(image, *exposure, attributes)?)?),
             Format::Sums | Format::Pilot => bail!("sums of rounds are no image"),
         }
+    }
+
+    fn write_exr(&self, to: &mut dyn Medium) -> anyhow::Result<()> {
+        let errors = self.errors.map(Errors::new);
+        let of_errors = |errors| exr::STDERR.into_iter().zip((0..3).map(move |i| Source::Errors(errors, i)));
+        let others = self.channels.iter().map(|channel| (channel.name.as_str(), Source::Values(&channel.values)));
+        let channels: Vec<_> = errors.iter().flat_map(of_errors).chain(others).collect();
+        exr::write(&self.image, &channels, (self.frame, &self.attributes), to)
     }
 }

@@ -1,6 +1,10 @@
 //! PNG: 8 bits a channel, sRGB, with how the image was made.
 
-use std::{fs::File, io::BufReader, path::Path};
+use std::{
+    fs::File,
+    io::{BufReader, BufWriter, Write},
+    path::Path,
+};
 
 use ::png::{
     BitDepth, ColorType, Decoder, Encoder, Limits, OutputInfo, ScaledFloat, SourceChromaticities, SrgbRenderingIntent,
@@ -29,7 +33,13 @@ pub const MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// `exposure`: in stops (EV). Same image, same bytes.
 pub fn encode(image: &Image, exposure: f64, attributes: &Attributes) -> anyhow::Result<Vec<u8>> {
     let mut file = Vec::new();
-    let mut encoder = Encoder::new(&mut file, u32::try_from(image.width)?, u32::try_from(image.height)?);
+    write(image, exposure, attributes, &mut file)?;
+    Ok(file)
+}
+
+/// Writes the same, a row at a time.
+pub(super) fn write(image: &Image, exposure: f64, attributes: &Attributes, to: impl Write) -> anyhow::Result<()> {
+    let mut encoder = Encoder::new(BufWriter::new(to), u32::try_from(image.width)?, u32::try_from(image.height)?);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
@@ -40,9 +50,10 @@ pub fn encode(image: &Image, exposure: f64, attributes: &Attributes) -> anyhow::
         encoder.add_itxt_chunk(name.clone(), value.clone())?;
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&srgb::bytes(image, exposure))?;
-    writer.finish()?;
-    Ok(file)
+    let mut rows = writer.stream_writer()?;
+    image.rgb.chunks(image.width).try_for_each(|row| rows.write_all(&srgb::bytes(row, exposure)))?;
+    rows.finish()?;
+    Ok(writer.finish()?)
 }
 
 /// Reads a PNG file of any kind as linear Rec. 709 in 0…1; alpha is left out.

@@ -1,13 +1,11 @@
 //! From linear pixels to the 8 bits a channel that screens show, and back: sRGB, IEC 61966-2-1.
 
-use crate::image::Image;
-
-/// All channels of all pixels times 2^`exposure`, clipped to 0…1, by the sRGB curve; NaN becomes black.
+/// All channels of pixels times 2^`exposure`, clipped to 0…1, by the sRGB curve; NaN becomes black.
 ///
 /// `exposure`: in stops (EV).
-pub(super) fn bytes(image: &Image, exposure: f64) -> Vec<u8> {
+pub(super) fn bytes(pixels: &[[f32; 3]], exposure: f64) -> Vec<u8> {
     let scale = exposure.exp2();
-    image.rgb.as_flattened().iter().map(|&value| to_byte(encoded(f64::from(value) * scale))).collect()
+    pixels.as_flattened().iter().map(|&value| to_byte(encoded(f64::from(value) * scale))).collect()
 }
 
 fn encoded(linear: f64) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::{
     fs::{self, OpenOptions},
-    io::{self, ErrorKind, IsTerminal, Write},
+    io::{self, Cursor, ErrorKind, IsTerminal, Read, Seek, Write},
     path::{Path, PathBuf},
     str::FromStr,
 };
@@ -14,6 +14,11 @@ use crate::atomic;
 
 /// The name that stands for standard output.
 const STDOUT: &str = "-";
+
+/// What the bytes of a file are written to.
+pub trait Medium: Read + Write + Seek {}
+
+impl<T: Read + Write + Seek> Medium for T {}
 
 /// A file to write, named by the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,13 +67,14 @@ impl OutputFile {
         path.map(|path| Self { path, format: self.format })
     }
 
-    /// Puts `bytes` there, whole or not at all if it is a file.
-    pub fn write(&self, bytes: &[u8]) -> anyhow::Result<()> {
+    /// Puts what `content` writes there, whole or not at all if it is a file.
+    pub fn write(&self, content: impl FnOnce(&mut dyn Medium) -> anyhow::Result<()>) -> anyhow::Result<()> {
         if !self.is_stdout() {
-            return atomic::write(&self.path, bytes);
+            return atomic::write_with(&self.path, |file| content(file));
         }
-        let mut stdout = io::stdout().lock();
-        stdout.write_all(bytes).and_then(|()| stdout.flush()).context("cannot write to standard output")
+        let (mut bytes, mut stdout) = (Cursor::new(Vec::new()), io::stdout().lock());
+        content(&mut bytes)?;
+        stdout.write_all(bytes.get_ref()).and_then(|()| stdout.flush()).context("cannot write to standard output")
     }
 }
 

@@ -86,7 +86,7 @@ mod tests {
             for (site, count) in [(0, left), (1, f64::from(states) - left)] {
                 deposits.deposit(Splat { site, value: [count / f64::from(states); 3] }, 1.0);
             }
-            film.add(&[deposits]);
+            film.add(&mut [deposits]);
             film.close_round(film.rounds(), 1);
         }
         film.blocks().into()

@@ -1,5 +1,7 @@
 //! Whether a picture can be looked at as it is exposed.
 
+use mlt_core::transport::{Rgb, luminance};
+
 use crate::image::Image;
 
 /// Luminance that a PNG shows as nearly black, and as white.
@@ -12,12 +14,10 @@ const MIDDLE: f64 = 0.18;
 /// A warning where a picture exposed by `stops` is nearly black or nearly white, with the exposure that shows it: the one that brings
 /// the mean luminance to 0.18, in half stops.
 pub(super) fn advice(image: &Image, stops: f64) -> Option<String> {
-    let luminance = image.luminance();
-    let mean = luminance.iter().map(|&l| f64::from(l)).sum::<f64>() / luminance.len() as f64;
-    let share = |is: &dyn Fn(f64) -> bool| {
-        let those = luminance.iter().filter(|&&l| is(f64::from(l) * stops.exp2())).count();
-        those as f64 / luminance.len() as f64
-    };
+    let pixels = image.rgb.len() as f64;
+    let luminances = || image.rgb.iter().map(|&pixel| f64::from(luminance(Rgb::from_array(pixel))));
+    let mean = luminances().sum::<f64>() / pixels;
+    let share = |is: &dyn Fn(f64) -> bool| luminances().filter(|l| is(l * stops.exp2())).count() as f64 / pixels;
     let [dark, white] = [share(&|l| l < RANGE[0]), share(&|l| l > RANGE[1])];
     let word = match (dark > MOST[0], white > MOST[1]) {
         (true, _) => "black",

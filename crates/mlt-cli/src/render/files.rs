@@ -13,7 +13,7 @@ use crate::{
     denoise::{Denoiser, Guides},
     image::Image,
     kept,
-    output::{Channel, Format, Frame, OutputFile, Picture, exr},
+    output::{Frame, Medium, OutputFile, Picture},
     report::Report,
 };
 
@@ -21,28 +21,26 @@ use crate::{
 pub(crate) fn write(options: &RenderOptions, made: Made, sums: &Sums) -> Result<Report, Failure> {
     let attributes = attributes(options, &made.report, made.per_pixel)?;
     let Made { about, pilot, mut report, features: Features { channels, guides }, .. } = made;
-    let save = |output: &OutputFile, bytes: anyhow::Result<Vec<u8>>| -> anyhow::Result<String> {
-        output.write(&bytes?)?;
-        tracing::info!("{} is written", output.path.display());
-        Ok(output.path.display().to_string())
-    };
     let (parts, images): (Vec<_>, Vec<_>) = options.targets().into_iter().partition(OutputFile::holds_sums);
-    let mut saved: Vec<_> =
-        parts.iter().map(|output| save(output, kept::encode(&about, pilot.as_deref(), sums))).collect();
+    let mut saved: Vec<_> = parts
+        .iter()
+        .map(|output| {
+            let bytes = kept::encode(&about, pilot.as_deref(), sums)?;
+            save(output, |to| Ok(to.write_all(&bytes)?))
+        })
+        .collect();
     if !images.is_empty() {
-        let with_errors = images.iter().any(|output| output.format == Format::Exr);
-        let (image, stderr) = develop(sums.film(), with_errors)?;
+        let image = developed(sums.film())?;
         let shown = images.iter().any(|output| output.format.is_for_screens());
         report.warnings.extend(shown.then(|| exposure::advice(&image, options.exposure)).flatten());
         let frame = options.view.frame()?.unwrap_or(Frame::whole(&image));
-        let errors = stderr.iter().flat_map(|stderr| Channel::of_triples(exr::STDERR, stderr));
-        let channels = errors.chain(channels).collect();
-        let picture = Picture { image, channels, frame, attributes, exposure: options.exposure };
-        saved.par_extend(images.par_iter().map(|output| save(output, picture.encode(output.format))));
+        let errors = Some(sums.film()).filter(|film| film.rounds() > 1);
+        let picture = Picture { image, errors, channels, frame, attributes, exposure: options.exposure };
+        saved.par_extend(images.par_iter().map(|output| save(output, |to| picture.write(output.format, to))));
         if let Some(guides) = guides {
             let picture = denoised(picture, &guides)?;
             let beside = images.iter().filter_map(OutputFile::denoised);
-            saved.extend(beside.map(|output| save(&output, picture.encode(output.format))));
+            saved.extend(beside.map(|output| save(&output, |to| picture.write(output.format, to))));
         }
     }
     let mut failure = None;
@@ -55,26 +53,27 @@ pub(crate) fn write(options: &RenderOptions, made: Made, sums: &Sums) -> Result<
     failure.map_or(Ok(report), |error| Err(error.into()))
 }
 
+/// Writes a file, and gives its name.
+fn save(output: &OutputFile, content: impl FnOnce(&mut dyn Medium) -> anyhow::Result<()>) -> anyhow::Result<String> {
+    output.write(content)?;
+    tracing::info!("{} is written", output.path.display());
+    Ok(output.path.display().to_string())
+}
+
 /// The picture with its noise filtered out, and marked as biased; its other channels are left out.
-fn denoised(picture: Picture, guides: &Guides) -> anyhow::Result<Picture> {
+fn denoised<'a>(picture: Picture<'a>, guides: &Guides) -> anyhow::Result<Picture<'a>> {
     let (image, version) = Denoiser::load()?.denoise(&picture.image, guides)?;
     let words =
         format!("biased: filtered by Open Image Denoise {version}; b and errors are those of the image before it");
     let mark = ("mlt.denoised".to_owned(), words);
     let attributes = picture.attributes.into_iter().chain([mark]).collect();
-    Ok(Picture { image, channels: Vec::new(), attributes, ..picture })
+    Ok(Picture { image, errors: None, channels: Vec::new(), attributes, ..picture })
 }
 
-/// Standard errors of the channels of all pixels.
-type Errors = Vec<[f32; 3]>;
-
-/// The image and, if they are asked for, its standard errors; `None` where one round tells nothing of them.
-pub(super) fn develop(film: &Film<3>, with_errors: bool) -> anyhow::Result<(Image, Option<Errors>)> {
+/// The image of a film.
+pub(super) fn developed(film: &Film<3>) -> anyhow::Result<Image> {
     let [width, height] = film.size().map(|n| n as usize);
-    let image = Image::new(width, height, film.means())?;
-    let errors = || film.standard_errors().into_iter().map(|e| e.map(|x| x as f32)).collect();
-    let stderr = (with_errors && film.rounds() > 1).then(errors);
-    Ok((image, stderr))
+    Image::new(width, height, film.means())
 }
 
 /// The options that make the file again, and the figures of the render.

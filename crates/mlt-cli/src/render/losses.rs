@@ -71,10 +71,10 @@ mod tests {
     #[test]
     fn pixels_out_of_range_are_named() {
         let mut film = Film::<3>::new(4, 1.0);
-        for value in [1e11, 3e11] {
+        for value in [1e15, 3e15] {
             let mut deposits = film.deposits();
             deposits.deposit(Splat { site: 3, value: [value; 3] }, 1.0);
-            film.add(&[deposits]);
+            film.add(&mut [deposits]);
             film.close_round(film.rounds(), 1);
         }
         let warnings = losses(&film, &Counts::default(), 2);
@@ -89,7 +89,7 @@ mod tests {
         for site in [4, 1, 4] {
             deposits.deposit(Splat { site, value: [f64::NAN, 1.0, 1.0] }, 1.0);
         }
-        film.add(&[deposits]);
+        film.add(&mut [deposits]);
         let warnings = losses(&film, &Counts::default(), 3);
         assert_eq!(
             warnings,

@@ -16,6 +16,7 @@ mod preview;
 mod session;
 mod setup;
 mod speed;
+mod stop;
 mod summary;
 mod tev;
 mod trust;
@@ -136,8 +137,10 @@ pub(crate) fn in_memory(options: &RenderOptions, setup: &Setup, interrupt: &Inte
     if let Some(path) = checkpoint {
         atomic::write(path, &kept::encode(&made.about, made.pilot.as_deref(), &sums)?)?;
     }
-    let (image, stderr) = files::develop(sums.film(), true)?;
-    Ok(Rendered { image, stderr, report: made.report, blocks: sums.film().blocks().into() })
+    let film = sums.film();
+    let errors = || film.standard_errors().into_iter().map(|errors| errors.map(|x| x as f32)).collect();
+    let (image, stderr) = (files::developed(film)?, (film.rounds() > 1).then(errors));
+    Ok(Rendered { image, stderr, report: made.report, blocks: film.blocks().into() })
 }
 
 fn announce(plan: &Plan) {

@@ -47,17 +47,21 @@ impl Previews {
 
     /// Shows the film if it is time.
     pub(super) fn offer(&mut self, film: &Film<3>) {
-        if !self.screens.is_empty() && self.last.elapsed() >= EVERY {
+        if self.last.elapsed() >= EVERY {
             self.show(film);
         }
     }
 
     /// Shows the film. A screen that fails is told of and dropped: the render goes on.
     pub(super) fn show(&mut self, film: &Film<3>) {
+        if self.screens.is_empty() {
+            return;
+        }
         let [width, height] = film.size().map(|n| n as usize);
         let Ok(image) = Image::new(width, height, film.preview()) else { return };
         let frame = Frame::whole(&image);
-        let picture = Picture { image, channels: Vec::new(), frame, attributes: under_way(), exposure: self.exposure };
+        let (channels, attributes) = (Vec::new(), under_way());
+        let picture = Picture { image, errors: None, channels, frame, attributes, exposure: self.exposure };
         self.screens.retain_mut(|screen| match screen.show(&picture) {
             Ok(()) => true,
             Err(error) => {
@@ -72,7 +76,7 @@ impl Previews {
 impl Screen {
     fn show(&mut self, picture: &Picture) -> anyhow::Result<()> {
         match self {
-            Self::File(file) => file.write(&picture.encode(file.format)?),
+            Self::File(file) => file.write(|to| picture.write(file.format, to)),
             Self::Tev(tev) => tev.show(&picture.image),
         }
     }

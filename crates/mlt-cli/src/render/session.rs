@@ -18,6 +18,7 @@ use super::{
     pilot::renderer,
     preview::Previews,
     speed::Round,
+    stop::Stop,
     summary::{provenance, report},
 };
 use crate::{
@@ -54,8 +55,8 @@ pub(super) fn run(
     if sums.film().rounds() == 0 {
         return Err(Failure::too_early());
     }
-    let made = session.made(&sums, outcome == Outcome::Stopped && interrupt.requested())?;
     sums.finish();
+    let made = session.made(&sums, outcome == Outcome::Stopped && interrupt.requested())?;
     Ok(Finished { sums, made })
 }
 
@@ -133,6 +134,7 @@ impl<'a> Session<'a> {
         let ending = limits.expecting(self.round.time).showing_error(progress.is_shown());
         let pilot = self.renderer.pilot();
         let mut checkpoint = Checkpoint::new(&self.options.keeping, pilot.as_deref());
+        let mut stop = Stop::new(Instant::now());
         let outcome = self.renderer.render_until(&ending, self.plan.own().start, sums, &mut |at, sums| {
             progress.update(&at, self.rate(at.rounds));
             previews.offer(sums.film());
@@ -141,7 +143,7 @@ impl<'a> Session<'a> {
                 checkpoint.offer(|| self.about(), sums);
                 self.write_if(self.interrupt.files_are_wanted(), sums);
             }
-            self.interrupt.go_on()
+            stop.go_on(self.interrupt.requested(), at.rounds, Instant::now())
         });
         progress.finish();
         let (rounds, seconds) = (sums.film().rounds(), self.start.elapsed().as_secs_f64());

@@ -20,12 +20,12 @@ use crate::{
     take_memory, warn_all,
 };
 
-/// Bytes a pixel: the film's sums and current round, the image, and the files in the making.
-const BYTES_PER_PIXEL: u64 = 216;
+/// Bytes a pixel: the film's sums in a long render and its current round, the image, and what its figures are made from.
+const BYTES_PER_PIXEL: u64 = 96;
 /// The same for further channels: as they are found, as they are kept, and in a file in the making.
 const BYTES_PER_PIXEL_FEATURES: u64 = 180;
 /// The same for sums that are read from a file or written to one.
-const BYTES_PER_PIXEL_KEPT: u64 = 320;
+const BYTES_PER_PIXEL_KEPT: u64 = 160;
 
 /// The scene and the camera to render.
 #[derive(Debug)]

@@ -30,20 +30,23 @@ pub(super) fn trust(film: &Film<3>, counts: &Counts, blocks: &Blocks, size: [u32
 /// The luminance around a pixel tells two kinds of noise apart. The edge of a lamp is noisy and bright around; a pixel that few paths lit
 /// is noisy and dark around.
 fn worst_pixels(film: &Film<3>, size: [u32; 2]) -> Option<f64> {
-    let pixels: Vec<_> = (0..film.sites() as usize).into_par_iter().map(|i| luminance_and_error(film, i)).collect();
+    let luminance = |i| luminance_and_error(film, i).0 as f32;
+    let luminance: Vec<_> = (0..film.sites() as usize).into_par_iter().map(luminance).collect();
     let floor = (0.1 * mean_luminance(film).mean).powi(2);
     let [width, height] = size.map(|n| n as usize);
     let around = |i: usize| {
         let side = |at: usize, n: usize| at.saturating_sub(AROUND)..(at + AROUND + 1).min(n);
         let (columns, rows) = (side(i % width, width), side(i / width, height));
-        let sum: f64 = rows.clone().flat_map(|row| &pixels[row * width..][columns.clone()]).map(|p| p.0).sum();
+        let sum: f64 =
+            rows.clone().flat_map(|row| &luminance[row * width..][columns.clone()]).map(|&l| f64::from(l)).sum();
         sum / (rows.len() * columns.len()) as f64
     };
-    let error = |i: usize| pixels[i].1.powi(2) / (around(i).powi(2) + floor);
-    let mut errors: Vec<f64> = (0..pixels.len()).into_par_iter().map(error).collect();
+    let error = |i: usize| (luminance_and_error(film, i).1.powi(2) / (around(i).powi(2) + floor)) as f32;
+    let mut errors: Vec<f32> = (0..luminance.len()).into_par_iter().map(error).collect();
     errors.sort_unstable_by(|a, b| b.total_cmp(a));
     let worst = (WORST * errors.len() as f64).ceil() as usize;
-    let share = errors[..worst].iter().sum::<f64>() / errors.iter().sum::<f64>();
+    let sum = |errors: &[f32]| errors.iter().map(|&error| f64::from(error)).sum::<f64>();
+    let share = sum(&errors[..worst]) / sum(&errors);
     share.is_finite().then_some(share)
 }
 
@@ -91,7 +94,7 @@ mod tests {
             for site in 0..SIDE * SIDE {
                 deposits.deposit(Splat { site, value: [value(site % SIDE, site / SIDE, round); 3] }, 1.0);
             }
-            film.add(&[deposits]);
+            film.add(&mut [deposits]);
             film.close_round(u64::from(round), 1);
         }
         film

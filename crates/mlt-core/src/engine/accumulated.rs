@@ -6,7 +6,7 @@ use super::{Counted, DecodeError, Film, MergeError, Reader, Rounds, sealed, unse
 /// First bytes of the format.
 const MAGIC: [u8; 8] = *b"mlt-sums";
 /// Version of the format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Names and values of what decides the bits of a round: scene, method, seed and so on. Only what has the same key adds up.
 pub type Key = Vec<(String, String)>;
@@ -63,7 +63,7 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         self.film.finish();
     }
 
-    /// Forgets all rounds, and keeps the film's memory.
+    /// Forgets all rounds.
     pub fn clear(&mut self) {
         self.film.clear();
         self.tally = T::default();

@@ -87,10 +87,10 @@ impl<const C: usize> Blocks<C> {
     }
 
     /// Takes in a round.
-    pub(super) fn add(&mut self, number: u64, round: &[[f64; C]]) {
+    pub(super) fn add(&mut self, number: u64, round: &[[f32; C]]) {
         let is_late = |last: &u64| self.rounds.len() == MOST_ROUNDS && *last < number;
         if !self.rounds.last_key_value().is_some_and(|(last, _)| is_late(last)) {
-            self.keep(number, self.grid.shares(|site| round[site]));
+            self.keep(number, self.grid.shares(|site| round[site].map(f64::from)));
         }
     }
 
@@ -155,7 +155,7 @@ mod tests {
         let all = MOST_ROUNDS as u64 + 50;
         let with = |numbers: &mut dyn Iterator<Item = u64>| {
             let mut blocks = Blocks::<1>::new([1, 1]);
-            numbers.for_each(|number| blocks.add(number, &[[number as f64]]));
+            numbers.for_each(|number| blocks.add(number, &[[number as f32]]));
             blocks
         };
         let (up, down) = (with(&mut (0..all)), with(&mut (0..all).rev()));

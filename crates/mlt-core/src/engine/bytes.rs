@@ -96,9 +96,14 @@ impl<'a> Reader<'a> {
     /// If there are not as many.
     pub fn chunk(&mut self) -> Result<&'a [u8], DecodeError> {
         let length = usize::try_from(self.number()?).map_err(|_| DecodeError::Damaged)?;
-        let (chunk, rest) = self.0.split_at_checked(length).ok_or(DecodeError::Damaged)?;
+        self.take(length)
+    }
+
+    /// The next so many bytes.
+    pub(super) fn take(&mut self, length: usize) -> Result<&'a [u8], DecodeError> {
+        let (taken, rest) = self.0.split_at_checked(length).ok_or(DecodeError::Damaged)?;
         self.0 = rest;
-        Ok(chunk)
+        Ok(taken)
     }
 
     /// Refuses to go on where so many bytes are not left: memory is taken only for what is there.

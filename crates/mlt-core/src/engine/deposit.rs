@@ -51,13 +51,16 @@ impl Lost {
     }
 }
 
-/// The deposits of one task in the order in which they were made, sorted into bands of consecutive sites.
+/// The deposits of one task in the order in which they were made.
 ///
-/// Bands are what threads merge independently, and each is small enough for a cache. A list of deposits, unlike a film
-/// of its own for each chain, takes memory in proportion to the task's length whatever the size of the film.
+/// Before they go to the film they are sorted into bands of consecutive sites, which threads merge independently; each is small enough for a
+/// cache. A list of deposits, unlike a film of its own for each chain, takes memory in proportion to the task's length whatever the size
+/// of the film.
 #[derive(Clone, Debug)]
 pub struct Deposits<const C: usize> {
-    bands: Vec<Vec<Deposit<C>>>,
+    list: Vec<Deposit<C>>,
+    /// Where the deposits of each band end in the list, once it is sorted.
+    ends: Vec<u32>,
     sites: u32,
     shift: u32,
     lost: Lost,
@@ -67,19 +70,37 @@ impl<const C: usize> Deposits<C> {
     /// No deposits, for a film of `sites` sites cut into bands of 2^`shift`.
     pub(crate) fn new(sites: u32, shift: u32) -> Self {
         let bands = (sites as usize).div_ceil(1 << shift).max(1);
-        Self { bands: vec![Vec::new(); bands], sites, shift, lost: Lost::default() }
+        Self { list: Vec::new(), ends: vec![0; bands], sites, shift, lost: Lost::default() }
     }
 
     /// Forgets the deposits and keeps the memory.
     pub fn clear(&mut self) {
-        self.bands.iter_mut().for_each(Vec::clear);
+        self.list.clear();
         self.lost = Lost::default();
+    }
+
+    /// Sorts the deposits into bands, in each of which they keep their order; `other` is scratch.
+    pub(super) fn sort(&mut self, other: &mut Vec<Deposit<C>>) {
+        let band = |deposit: &Deposit<C>| (deposit.site >> self.shift) as usize;
+        self.ends.fill(0);
+        self.list.iter().for_each(|deposit| self.ends[band(deposit)] += 1);
+        let mut next = 0;
+        for end in &mut self.ends {
+            next += std::mem::replace(end, next);
+        }
+        other.clone_from(&self.list);
+        for deposit in &self.list {
+            let place = &mut self.ends[band(deposit)];
+            other[*place as usize] = *deposit;
+            *place += 1;
+        }
+        std::mem::swap(&mut self.list, other);
     }
 
     /// Sites and the sums, over deposits and channels, that they get; in the order of the sites.
     pub(super) fn sums(&self) -> Vec<(u32, f64)> {
         let sum = |deposit: &Deposit<C>| (deposit.site, deposit.value.iter().map(|&v| f64::from(v)).sum());
-        let mut list: Vec<(u32, f64)> = self.bands.iter().flatten().map(sum).collect();
+        let mut list: Vec<(u32, f64)> = self.list.iter().map(sum).collect();
         list.sort_by_key(|&(site, _)| site);
         list.dedup_by(|later, first| {
             let same = later.0 == first.0;
@@ -89,8 +110,16 @@ impl<const C: usize> Deposits<C> {
         list
     }
 
-    pub(crate) fn band(&self, band: usize) -> &[Deposit<C>] {
-        &self.bands[band]
+    /// All of them.
+    #[cfg(test)]
+    pub(crate) fn list(&self) -> &[Deposit<C>] {
+        &self.list
+    }
+
+    /// Those of a band, once they are sorted.
+    pub(super) fn band(&self, band: usize) -> &[Deposit<C>] {
+        let first = band.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.list[first as usize..self.ends[band] as usize]
     }
 
     /// Deposits that were left out.
@@ -107,6 +136,6 @@ impl<const C: usize> Sink<Splat<C>> for Deposits<C> {
             self.lost.add(splat.site, self.sites);
             return;
         }
-        self.bands[(splat.site >> self.shift) as usize].push(Deposit { site: splat.site, value });
+        self.list.push(Deposit { site: splat.site, value });
     }
 }

@@ -166,7 +166,7 @@ impl<const C: usize> Ending<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::Film;
+    use crate::engine::{Film, Sink, Splat};
 
     fn ending(limits: Limits, ago: u64) -> Ending<1> {
         Ending::new(limits, [1.0], Instant::now() - Duration::from_secs(ago)).expecting(Duration::from_secs(1))
@@ -188,7 +188,9 @@ mod tests {
     fn made(limits: Limits, held: &[Range<u64>], value: fn(u64) -> f64) -> (Outcome, String) {
         let mut sums = Accumulated::<1, u64>::new(Film::new(1, 1.0));
         let close = |sums: &mut Accumulated<1, u64>, round: u64| {
-            sums.film.round[0] = [value(round)];
+            let mut deposits = sums.film.deposits();
+            deposits.deposit(Splat { site: 0, value: [value(round)] }, 1.0);
+            sums.film.add(&mut [deposits]);
             sums.film.close_round(round, 1);
         };
         held.iter().cloned().flatten().for_each(|round| close(&mut sums, round));

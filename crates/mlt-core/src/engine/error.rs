@@ -2,6 +2,7 @@
 
 use super::Film;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Half the sides of the squares around a site, until one of them has sites enough.
 const RADII: [usize; 5] = [2, 3, 4, 6, 8];
@@ -40,42 +41,64 @@ impl<const C: usize> Film<C> {
     ///
     /// Sources: [Kish65], section 11.2, for the number of sites of equal weight; [Smyth04] for the mean.
     pub fn standard_errors(&self) -> Vec<[f64; C]> {
-        let own = |i: usize| self.pixel(i).map(|channel| channel.stderr * channel.stderr);
-        let own: Vec<_> = (0..self.sites() as usize).into_par_iter().map(own).collect();
+        self.standard_errors_of(0..self.size()[1] as usize)
+    }
+
+    /// Those of some rows alone.
+    pub fn standard_errors_of(&self, rows: Range<usize>) -> Vec<[f64; C]> {
+        let size @ [width, height] = self.size().map(|n| n as usize);
+        let margin = RADII[RADII.len() - 1];
+        let around = rows.start.saturating_sub(margin)..rows.end.saturating_add(margin).min(height);
+        let own = |site: usize| self.pixel(site).map(|channel| channel.stderr * channel.stderr);
+        let own = (around.start * width..around.end * width).into_par_iter().map(own).collect();
+        let variances = Variances { own, first: around.start * width, size };
         let freedom = self.rounds().saturating_sub(1) as f64;
-        let shared = |i: usize| {
-            let around = mean_around(&own, self.size().map(|n| n as usize), i);
-            std::array::from_fn(|c| match own[i][c] {
+        let shared = |site: usize| {
+            let around = variances.mean_around(site);
+            let own = variances.own[site - variances.first];
+            std::array::from_fn(|c| match own[c] {
                 v if v.is_finite() => ((freedom * v + ENOUGH * around[c]) / (freedom + ENOUGH)).sqrt(),
                 unknown => unknown,
             })
         };
-        (0..own.len()).into_par_iter().map(shared).collect()
+        (rows.start * width..rows.end * width).into_par_iter().map(shared).collect()
     }
 }
 
-/// Mean of the variances over the square around a site. Those that are not known do not count.
-fn mean_around<const C: usize>(variances: &[[f64; C]], [width, height]: [usize; 2], site: usize) -> [f64; C] {
-    let (x, y) = (site % width, site / width);
-    let mut mean = [0.0; C];
-    for radius in RADII {
-        let side = |at: usize, n: usize| at.saturating_sub(radius)..(at + radius + 1).min(n);
-        let (columns, rows) = (side(x, width), side(y, height));
-        let (mut sums, mut sum, mut squares) = ([0.0; C], 0.0, 0.0);
-        for row in rows.clone() {
-            for variance in &variances[row * width..][columns.clone()] {
-                let known = variance.map(|v| if v.is_finite() { v } else { 0.0 });
-                let all = known.iter().sum::<f64>();
-                sums.iter_mut().zip(known).for_each(|(sum, v)| *sum += v);
-                (sum, squares) = (sum + all, squares + all * all);
+/// Variances of the sites of some rows.
+struct Variances<const C: usize> {
+    own: Vec<[f64; C]>,
+    /// The first of these sites.
+    first: usize,
+    /// Of the whole film.
+    size: [usize; 2],
+}
+
+impl<const C: usize> Variances<C> {
+    /// Mean of the variances over the square around a site. Those that are not known do not count.
+    fn mean_around(&self, site: usize) -> [f64; C] {
+        let [width, height] = self.size;
+        let (x, y) = (site % width, site / width);
+        let mut mean = [0.0; C];
+        for radius in RADII {
+            let side = |at: usize, n: usize| at.saturating_sub(radius)..(at + radius + 1).min(n);
+            let (columns, rows) = (side(x, width), side(y, height));
+            let (mut sums, mut sum, mut squares) = ([0.0; C], 0.0, 0.0);
+            for row in rows.clone() {
+                for variance in &self.own[row * width - self.first..][columns.clone()] {
+                    let known = variance.map(|v| if v.is_finite() { v } else { 0.0 });
+                    let all = known.iter().sum::<f64>();
+                    sums.iter_mut().zip(known).for_each(|(sum, v)| *sum += v);
+                    (sum, squares) = (sum + all, squares + all * all);
+                }
+            }
+            mean = sums.map(|sum| sum / (rows.len() * columns.len()) as f64);
+            if squares > 0.0 && sum * sum >= ENOUGH * squares {
+                break;
             }
         }
-        mean = sums.map(|sum| sum / (rows.len() * columns.len()) as f64);
-        if squares > 0.0 && sum * sum >= ENOUGH * squares {
-            break;
-        }
+        mean
     }
-    mean
 }
 
 #[cfg(test)]
@@ -89,7 +112,7 @@ mod tests {
         for round in 0..4 {
             let mut deposits = film.deposits();
             (0..1600).for_each(|site| deposits.deposit(Splat { site, value: [value(site, round); 3] }, 1.0));
-            film.add(&[deposits]);
+            film.add(&mut [deposits]);
             film.close_round(u64::from(round), 1);
         }
         film
@@ -131,12 +154,13 @@ mod tests {
             };
             let film = film(value);
             let shared = film.standard_errors();
-            let own: Vec<_> = (0..1600).map(|i| film.pixel(i).map(|c| c.stderr.powi(2))).collect();
+            let own = (0..1600).map(|i| film.pixel(i).map(|c| c.stderr.powi(2))).collect();
+            let own = Variances { own, first: 0, size: [40, 40] };
             for (i, bar) in shared.iter().enumerate() {
                 squares += (film.pixel(i)[0].mean - 0.05 * 1.6).powi(2);
                 bars += bar[0].powi(2);
                 // The negative control.
-                largest += own[i][0].max(mean_around(&own, [40, 40], i)[0]);
+                largest += own.own[i][0].max(own.mean_around(i)[0]);
             }
         }
         assert!((bars / squares - 1.0).abs() < 0.05, "{}", bars / squares);
@@ -145,8 +169,16 @@ mod tests {
 
     #[test]
     fn errors_that_are_not_known_stay_so_and_do_not_spread() {
-        let film = film(|site, round| if site == 820 { 1e12 } else { f64::from(round % 2) });
+        let film = film(|site, round| if site == 820 { 1e15 } else { f64::from(round % 2) });
         let errors = film.standard_errors();
         assert!(errors[820][0].is_infinite() && errors[821][0].is_finite());
+    }
+    #[test]
+    fn rows_have_the_errors_of_the_whole() {
+        let film = film(|site, round| f64::from((site * 7 + round * 3) % 11));
+        let whole = film.standard_errors();
+        for rows in [0..1, 3..17, 30..40] {
+            assert_eq!(film.standard_errors_of(rows.clone()), whole[rows.start * 40..rows.end * 40]);
+        }
     }
 }

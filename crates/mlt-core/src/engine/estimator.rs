@@ -134,7 +134,7 @@ impl<const C: usize, E: Estimator<C>> Merger<'_, '_, C, E> {
             let mut counts = tasks.par_iter().zip(buffers.par_iter_mut()).map(run).collect::<Vec<_>>().into_iter();
             let mut merged = 0;
             for of_round in tasks.chunk_by(|a, b| a.0.0 == b.0.0) {
-                self.sums.film.add(&buffers[merged..merged + of_round.len()]);
+                self.sums.film.add(&mut buffers[merged..merged + of_round.len()]);
                 self.tasks.extend(counts.by_ref().take(of_round.len()));
                 merged += of_round.len();
                 open = self.close(open)?;

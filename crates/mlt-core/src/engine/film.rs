@@ -1,11 +1,12 @@
 //! The film: exact sums over rounds, whatever their order.
 
+use super::band::Band;
 use super::bytes::{put, put_list};
 use super::fixed::{Products, Sums};
-use super::{Blocks, DecodeError, Deposits, Lost, MergeError, Reader, Rounds};
+use super::{Blocks, DecodeError, Deposit, Deposits, Lost, MergeError, Reader, Rounds};
 use rayon::prelude::*;
 
-/// Most sites of a band, log₂: 2^13 sites of three f64 channels are 192 KiB.
+/// Most sites of a band, log₂: 2^13 sites of three f64 channels, as a task's deposits are summed in, are 192 KiB.
 const MOST_SITES: u32 = 13;
 /// Least sites of a band, log₂: a list for each band and task has to be worth its while.
 const LEAST_SITES: u32 = 9;
@@ -14,14 +15,17 @@ const BANDS: u32 = 6;
 
 /// Sums of rounds in fixed point, and the round that is being made.
 ///
-/// Within a round deposits are added in the order of its tasks. Over rounds each site keeps Σ w X and Σ w X² as integers,
-/// so that any grouping of the same rounds, over threads, processes or machines, gives the same bits. The same is kept of X̄, the
-/// mean over all sites, and of each round what it gave to [`Blocks`] of the film.
+/// Within a round each task's deposits at a site are added in f64, and then to those of the tasks before it in f32, which the noise of a round
+/// hides. Over rounds each site keeps Σ w X and Σ w X² as integers, so that any grouping of the same rounds, over threads, processes or
+/// machines, gives the same bits. The same is kept of X̄, the mean over all sites, and of each round what it gave to [`Blocks`] of the film.
+///
+/// An image of three channels takes 12 bytes a pixel for the current round, and mostly 45 for its sums: 7 for each Σ w X, 8 for each Σ w X².
 #[derive(Clone, Debug)]
 pub struct Film<const C: usize> {
     size: [u32; 2],
-    pub(super) round: Vec<[f64; C]>,
-    pub(super) sums: Vec<[Sums; C]>,
+    /// Empty without any deposit.
+    round: Vec<[f32; C]>,
+    sums: Vec<Band<C>>,
     pub(super) whole: Products<C>,
     blocks: Blocks<C>,
     pub(super) unit: f64,
@@ -34,7 +38,7 @@ pub struct Film<const C: usize> {
 
 impl<const C: usize> Film<C> {
     /// A black film of sites in one row. `unit` is a value of a site, right to within a factor of 10⁴ or so: it sets the quanta of
-    /// the sums, 2⁻⁶⁰ units and 2⁻⁶⁰ units², and their ranges, 2⁶⁷ units and units².
+    /// the sums, 2⁻³⁶ units and 2⁻³⁶ units², and their ranges, 2⁹¹ units and units².
     pub fn new(sites: u32, unit: f64) -> Self {
         Self::of_image([sites, 1], unit)
     }
@@ -43,8 +47,8 @@ impl<const C: usize> Film<C> {
     pub fn of_image(size: [u32; 2], unit: f64) -> Self {
         let unit = if unit.is_normal() && unit > 0.0 { libm::exp2(libm::floor(libm::log2(unit))) } else { 1.0 };
         let sites = size[0] * size[1];
-        let (round, sums) = (vec![[0.0; C]; sites as usize], vec![[Sums::default(); C]; sites as usize]);
         let shift = (sites.checked_ilog2().unwrap_or(0)).saturating_sub(BANDS).clamp(LEAST_SITES, MOST_SITES);
+        let (round, sums) = (Vec::new(), bands(sites, shift).map(Band::new).collect());
         let (whole, blocks, rounds, lost) = (Products::ZERO, Blocks::new(size), Rounds::default(), Lost::default());
         Self { size, round, sums, whole, blocks, unit, weight: 0, rounds, lost, shift }
     }
@@ -56,7 +60,7 @@ impl<const C: usize> Film<C> {
 
     /// Number of sites.
     pub fn sites(&self) -> u32 {
-        self.sums.len() as u32
+        self.size[0] * self.size[1]
     }
 
     /// Number of rounds in the sums.
@@ -89,17 +93,42 @@ impl<const C: usize> Film<C> {
         Deposits::new(self.sites(), self.shift)
     }
 
+    /// Sums of a site's channels.
+    #[inline]
+    pub(super) fn sums(&self, site: usize) -> [Sums; C] {
+        self.sums[site >> self.shift].get(site & ((1 << self.shift) - 1))
+    }
+
+    /// What the current round has in each site so far.
+    pub(super) fn round(&self) -> &[[f32; C]] {
+        &self.round
+    }
+
     /// Adds tasks' deposits to the current round, in their order.
-    pub fn add(&mut self, tasks: &[Deposits<C>]) {
+    pub fn add(&mut self, tasks: &mut [Deposits<C>]) {
+        tasks.par_iter_mut().for_each_init(Vec::new, |scratch, task| task.sort(scratch));
         tasks.iter().for_each(|task| self.lost.merge(task.lost()));
+        self.begin();
         let shift = self.shift;
-        self.round.par_chunks_mut(1 << shift).enumerate().for_each(|(band, sites)| {
+        let add = |of_task: &mut Vec<[f64; C]>, (band, sites): (usize, &mut [[f32; C]])| {
             let first = band << shift;
-            for deposit in tasks.iter().flat_map(|t| t.band(band)) {
-                let site = &mut sites[deposit.site as usize - first];
-                site.iter_mut().zip(deposit.value).for_each(|(s, v)| *s += f64::from(v));
+            for deposits in tasks.iter().map(|task| task.band(band)) {
+                for Deposit { site, value } in deposits {
+                    of_task[*site as usize - first].iter_mut().zip(value).for_each(|(sum, v)| *sum += f64::from(*v));
+                }
+                for site in deposits.iter().map(|deposit| deposit.site as usize - first) {
+                    let sum = std::mem::replace(&mut of_task[site], [0.0; C]);
+                    sites[site].iter_mut().zip(sum).for_each(|(round, sum)| *round += sum as f32);
+                }
             }
-        });
+        };
+        let none = || vec![[0.0; C]; 1 << shift];
+        self.round.par_chunks_mut(1 << shift).enumerate().for_each_init(none, add);
+    }
+
+    /// Makes room for a round.
+    fn begin(&mut self) {
+        self.round.resize(self.sites() as usize, [0.0; C]);
     }
 
     /// Ends the current round, which has this number and is an estimate X of the film, and adds it to the sums with weight
@@ -107,21 +136,21 @@ impl<const C: usize> Film<C> {
     ///
     /// Var(X) ∝ 1/weight is assumed: a round's weight is its number of samples.
     pub fn close_round(&mut self, number: u64, weight: u64) {
+        self.begin();
         self.blocks.add(number, &self.round);
         let scale = 1.0 / self.unit;
-        let sites = 1 << self.shift;
-        let bands = self.round.par_chunks_mut(sites).zip(self.sums.par_chunks_mut(sites));
-        let close = |(round, sums): (&mut [[f64; C]], &mut [[Sums; C]])| {
+        let close = |(round, sums): (&mut [[f32; C]], &mut Band<C>)| {
             let mut total = [0.0; C];
-            for (x, s) in round.iter_mut().zip(sums) {
-                let value = std::mem::replace(x, [0.0; C]).map(|x| x * scale);
-                for c in 0..C {
-                    s[c].add(value[c], i128::from(weight));
+            for (site, x) in round.iter_mut().enumerate() {
+                let value = std::mem::replace(x, [0.0; C]).map(|x| f64::from(x) * scale);
+                for c in (0..C).filter(|&c| value[c] != 0.0) {
+                    sums.add(site, c, Sums::of(value[c], i128::from(weight)));
                     total[c] += value[c];
                 }
             }
             total
         };
+        let bands = self.round.par_chunks_mut(1 << self.shift).zip(&mut self.sums);
         let totals: Vec<_> = bands.map(close).collect();
         let mean = std::array::from_fn(|c| totals.iter().map(|t| t[c]).sum::<f64>() / f64::from(self.sites()));
         self.whole.add(mean, i128::from(weight));
@@ -134,15 +163,15 @@ impl<const C: usize> Film<C> {
         self.round.par_iter_mut().for_each(|x| *x = [0.0; C]);
     }
 
-    /// Makes the film black again, and keeps its memory.
+    /// Makes the film black again.
     pub fn clear(&mut self) {
         self.drop_round();
-        self.sums.par_iter_mut().for_each(|sums| *sums = [Sums::default(); C]);
+        self.sums = bands(self.sites(), self.shift).map(Band::new).collect();
         self.blocks.clear();
         (self.whole, self.weight, self.rounds, self.lost) = (Products::ZERO, 0, Rounds::default(), Lost::default());
     }
 
-    /// Frees the memory of the current round; the film takes no more of them.
+    /// Drops the current round and frees its memory.
     pub fn finish(&mut self) {
         self.round = Vec::new();
     }
@@ -163,7 +192,7 @@ impl<const C: usize> Film<C> {
         if common.count() > 0 {
             return Err(MergeError::Rounds(common));
         }
-        self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()).for_each(|(a, b)| a.merge(b));
+        self.sums.par_iter_mut().zip(&other.sums).for_each(|(a, b)| a.merge(b));
         self.whole.merge(&other.whole);
         self.blocks.merge(&other.blocks);
         self.weight += other.weight;
@@ -172,18 +201,13 @@ impl<const C: usize> Film<C> {
         Ok(())
     }
 
-    /// Appends the sums to bytes, on the current rayon pool: the same bytes for the same rounds. The current round is left out.
+    /// Appends the sums to bytes: the same bytes for the same rounds. The current round is left out.
     pub(super) fn write(&self, to: &mut Vec<u8>) {
         let [width, height] = self.size.map(u64::from);
         [width, height, self.unit.to_bits(), self.weight, self.lost.count].into_iter().for_each(|x| put(to, x));
         put_list(to, &self.lost.sites, |to, site| put(to, u64::from(*site)));
         self.rounds.write(to);
-        let first = to.len();
-        to.resize(first + self.sums.len() * C * Sums::BYTES, 0);
-        let sites = to[first..].par_chunks_exact_mut(C * Sums::BYTES).zip(&self.sums);
-        sites.for_each(|(to, sums)| {
-            to.chunks_exact_mut(Sums::BYTES).zip(sums).for_each(|(to, sums)| to.copy_from_slice(&sums.to_bytes()))
-        });
+        self.sums.iter().for_each(|sums| sums.write(to));
         self.whole.write(to);
         self.blocks.write(to);
     }
@@ -194,19 +218,23 @@ impl<const C: usize> Film<C> {
         let size = [side()?, side()?];
         let sites = size[0].checked_mul(size[1]).ok_or(DecodeError::Damaged)?;
         let [unit, weight, lost] = [from.number()?, from.number()?, from.number()?];
-        from.expect(u64::from(sites) * C as u64 * Sums::BYTES as u64)?;
+        from.expect(u64::from(sites) * C as u64 * 2)?;
         let mut film = Self::of_image(size, f64::from_bits(unit));
         if film.unit.to_bits() != unit {
             return Err(DecodeError::Damaged);
         }
         film.lost = Lost { count: lost, sites: from.list(|from| from.number().map(|site| site as u32))? };
         (film.weight, film.rounds) = (weight, Rounds::read(from)?);
-        for sums in film.sums.iter_mut().flatten() {
-            *sums = Sums::read(from)?;
-        }
+        film.sums = bands(sites, film.shift).map(|sites| Band::read(sites, from)).collect::<Result<_, _>>()?;
         (film.whole, film.blocks) = (Products::read(from)?, Blocks::read(size, from)?);
         Ok(film)
     }
+}
+
+/// Numbers of sites of a film's bands.
+fn bands(sites: u32, shift: u32) -> impl Iterator<Item = usize> {
+    let sites = sites as usize;
+    (0..sites).step_by(1 << shift).map(move |first| (sites - first).min(1 << shift))
 }
 
 #[cfg(test)]
@@ -223,7 +251,7 @@ mod tests {
             let mut deposits = film.deposits();
             deposits.deposit(Splat { site: 1, value: [value] }, 0.5);
             deposits.deposit(Splat { site: 1, value: [value] }, 0.5);
-            film.add(&[deposits]);
+            film.add(&mut [deposits]);
             film.close_round(number, weight);
         }
     }
@@ -234,7 +262,8 @@ mod tests {
         rounds(&mut film, &[(1.0, 1), (2.0, 1), (4.0, 1), (5.0, 1)]);
         let [pixel] = film.pixel(1);
         assert_eq!(pixel.mean, 3.0);
-        assert!((pixel.stderr - (10.0f64 / 3.0 / 4.0).sqrt()).abs() < 1e-12);
+        // What rounding may hide of squares is added: 2⁻³⁷.
+        assert!((pixel.stderr - (10.0f64 / 3.0 / 4.0).sqrt()).abs() < 1e-11);
         assert_eq!(film.pixel(0)[0], Pixel { mean: 0.0, stderr: 0.0 });
     }
 
@@ -261,7 +290,7 @@ mod tests {
         rounds(&mut used, &[(1.0, 1), (f64::NAN, 2)]);
         let mut deposits = used.deposits();
         deposits.deposit(Splat { site: 0, value: [1.0] }, 1.0);
-        used.add(&[deposits]);
+        used.add(&mut [deposits]);
         used.clear();
         [&mut used, &mut new].into_iter().for_each(|film| rounds(film, &[(2.0, 3), (4.0, 3)]));
         let bytes = |film: &Film<1>| {
@@ -292,7 +321,7 @@ mod tests {
                 let mut deposits = film.deposits();
                 deposits.deposit(Splat { site: 0, value: [a, 2.0 * a] }, 1.0);
                 deposits.deposit(Splat { site: 1, value: [b, 0.0] }, 1.0);
-                film.add(&[deposits]);
+                film.add(&mut [deposits]);
                 film.close_round(round, 1);
             }
             film
@@ -320,19 +349,19 @@ mod tests {
     #[test]
     fn squares_out_of_range_make_the_error_unknown_and_not_zero() {
         let mut film = Film::<1>::new(2, 1.0);
-        rounds(&mut film, &[(1e11, 1), (3e11, 1)]);
+        rounds(&mut film, &[(1e14, 1), (3e14, 1)]);
         let [pixel] = film.pixel(1);
-        assert!((pixel.mean / 2e11 - 1.0).abs() < 1e-6);
+        assert!((pixel.mean / 2e14 - 1.0).abs() < 1e-6);
         assert_eq!(pixel.stderr, f64::INFINITY);
     }
 
     #[test]
     fn squares_below_the_quantum_leave_an_error() {
         let mut film = Film::<1>::new(2, 1.0);
-        rounds(&mut film, &[(1e-11, 1), (3e-11, 1)]);
+        rounds(&mut film, &[(1e-7, 1), (3e-7, 1)]);
         let [pixel] = film.pixel(1);
-        assert!((pixel.mean / 2e-11 - 1.0).abs() < 1e-6);
-        assert!(pixel.stderr > 1e-11 && pixel.stderr < 1e-9, "{pixel:?}");
+        assert!((pixel.mean / 2e-7 - 1.0).abs() < 1e-4);
+        assert!(pixel.stderr > 1e-7 && pixel.stderr < 1e-5, "{pixel:?}");
         assert_eq!(film.pixel(0)[0].stderr, 0.0);
     }
 

@@ -1,66 +1,46 @@
 //! Sums in fixed point, which come out the same in any order.
 //!
-//! They take 128 bits. Pixels from 10⁻¹⁰ of an image's mean to 10⁵ of it, in up to 10⁶ samples, span 2⁷⁰, and their squares 2¹²⁰: in
-//! 64 bits of fixed point a pixel of 86 times the mean would leave the range after 10⁶ samples with a quantum of 10⁻¹¹ of the mean.
-//! Floating point has the range, but its sums depend on their order.
+//! Floating point has the range, but its sums depend on their order. Integers of 128 bits have it, too: pixels from 10⁻⁸ of an image's mean to
+//! 10⁵ of it, in up to 10⁶ samples, span 2⁶⁴ with their last digits, and their squares 2¹¹⁰. Most sites need half of that, so a film keeps
+//! them [packed](super::packed).
 
 use super::{DecodeError, Reader};
 
-/// Quanta of a unit.
-const QUANTA: f64 = (1u64 << 60) as f64;
+/// Quanta of a unit in the sums of a site.
+const QUANTA: f64 = (1u64 << 36) as f64;
+/// The same in the sums of the mean over all sites, whose error is smaller.
+const QUANTA_OF_WHOLE: f64 = (1u64 << 60) as f64;
 
-/// Σ w X in 2⁻⁶⁰ units, and Σ w X² in 2⁻⁶⁰ units².
+/// Σ w X in 2⁻³⁶ units, and Σ w X² in 2⁻³⁶ units².
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Sums {
-    first: i128,
-    second: i128,
+    pub(super) first: i128,
+    pub(super) second: i128,
 }
 
 impl Sums {
-    /// Adds a value. Squares that do not fit stay at the largest integer, in any order of the values, since none is negative.
+    /// Those of one value. Squares that do not fit stay at the largest integer, in any order of the values, since none is negative.
     #[inline]
-    pub(super) fn add(&mut self, value: f64, weight: i128) {
-        if value == 0.0 {
-            return;
-        }
-        let [first, second] = [quantise(value), quantise(value * value)];
+    pub(super) fn of(value: f64, weight: i128) -> Self {
+        let [first, second] = [quantise(value, QUANTA), quantise(value * value, QUANTA)];
         // Most rounds count once, and a product that stays in its range is slow.
         let [first, second] =
             if weight == 1 { [first, second] } else { [first, second].map(|x| x.saturating_mul(weight)) };
-        self.merge(&Self { first, second });
-    }
-
-    /// Adds others.
-    #[inline]
-    pub(super) fn merge(&mut self, other: &Self) {
-        self.first = sum(self.first, other.first);
-        self.second = sum(self.second, other.second);
+        Self { first, second }
     }
 
     /// Σ w X in units.
     pub(super) fn first(&self) -> f64 {
-        dequantise(self.first)
+        self.first as f64 / QUANTA
     }
 
     /// Σ w X² in units²; `None` if it left its range.
     pub(super) fn second(&self) -> Option<f64> {
-        (self.second != i128::MAX).then(|| dequantise(self.second))
-    }
-
-    /// Their size.
-    pub(super) const BYTES: usize = 2 * size_of::<i128>();
-
-    pub(super) fn to_bytes(self) -> [u8; Self::BYTES] {
-        let [first, second] = [self.first, self.second].map(i128::to_le_bytes);
-        std::array::from_fn(|i| if i < first.len() { first[i] } else { second[i - first.len()] })
-    }
-
-    pub(super) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
-        Ok(Self { first: get(from)?, second: get(from)? })
+        (self.second != i128::MAX).then(|| self.second as f64 / QUANTA)
     }
 }
 
-/// Σ w X of some channels, and Σ w X X′ of each two.
+/// Σ w X of some channels, and Σ w X X′ of each two, in 2⁻⁶⁰ units and units².
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Products<const C: usize> {
     first: [i128; C],
@@ -72,7 +52,7 @@ impl<const C: usize> Products<C> {
 
     /// Adds a value of each channel.
     pub(super) fn add(&mut self, values: [f64; C], weight: i128) {
-        let weighted = |x: f64| quantise(x).saturating_mul(weight);
+        let weighted = |x: f64| quantise(x, QUANTA_OF_WHOLE).saturating_mul(weight);
         self.merge(&Self { first: values.map(weighted), second: values.map(|a| values.map(|b| weighted(a * b))) });
     }
 
@@ -85,7 +65,8 @@ impl<const C: usize> Products<C> {
 
     /// Σ w X and Σ w X² of X = Σ_c weights_c X_c, in units and units².
     pub(super) fn of(&self, weights: [f64; C]) -> [f64; 2] {
-        let weighted = |row: &[i128; C]| row.iter().zip(weights).map(|(&x, w)| w * dequantise(x)).sum::<f64>();
+        let weighted =
+            |row: &[i128; C]| row.iter().zip(weights).map(|(&x, w)| w * (x as f64 / QUANTA_OF_WHOLE)).sum::<f64>();
         [weighted(&self.first), self.second.iter().zip(weights).map(|(row, w)| w * weighted(row)).sum()]
     }
 
@@ -103,19 +84,21 @@ impl<const C: usize> Products<C> {
     }
 }
 
-/// Variance that the rounding of squares may hide, units².
+/// Variance of a site that the rounding of squares may hide, units².
 pub(super) const ROUNDING: f64 = 0.5 / QUANTA;
+/// The same of the mean over all sites.
+pub(super) const ROUNDING_OF_WHOLE: f64 = 0.5 / QUANTA_OF_WHOLE;
 
-/// Nearest multiple of 2⁻⁶⁰.
+/// Nearest number of quanta.
 #[inline]
-fn quantise(x: f64) -> i128 {
-    let scaled = x * QUANTA;
+fn quantise(x: f64, quanta: f64) -> i128 {
+    let scaled = x * quanta;
     integer(scaled + 0.5f64.copysign(scaled))
 }
 
 /// a + b, or the integer nearest to it: as `saturating_add`, which costs ten times as much where the sum is in range.
 #[inline]
-fn sum(a: i128, b: i128) -> i128 {
+pub(super) fn sum(a: i128, b: i128) -> i128 {
     a.checked_add(b).unwrap_or_else(|| a.saturating_add(b))
 }
 
@@ -134,10 +117,6 @@ fn integer(x: f64) -> i128 {
         }
         _ => x as i128,
     }
-}
-
-fn dequantise(sum: i128) -> f64 {
-    sum as f64 / QUANTA
 }
 
 fn put(to: &mut Vec<u8>, sums: &[i128]) {

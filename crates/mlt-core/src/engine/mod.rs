@@ -11,6 +11,7 @@
 mod accumulated;
 mod agreement;
 mod allocation;
+mod band;
 mod blocks;
 mod bootstrap;
 mod bytes;
@@ -29,6 +30,7 @@ mod merge;
 mod metropolis;
 mod mixture;
 mod mutation;
+mod packed;
 mod path;
 mod pilot;
 mod pixel;

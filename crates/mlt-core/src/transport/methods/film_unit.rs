@@ -27,9 +27,9 @@ pub fn film_of(view: View) -> Film<3> {
 
 /// The unit of a [`Film`] for the image of a view, from a few bidirectional samples of it.
 ///
-/// A film tells errors of pixels from 10⁻⁸ units to 10¹⁰ units over the root of the samples, as squares have half the range of
-/// values. With a unit of a hundredth of the image's mean these are pixels of 10⁻¹⁰ of it, as where a lamp is in view and little
-/// of its light beside it, to 10⁵ of it in a million samples, as where one visit of a chain stands for many. What is drawn here
+/// A film tells errors of pixels from 10⁻⁵ units to 10¹³ units over the root of the samples. With a unit of a hundredth of the image's
+/// mean these are pixels of 10⁻⁷ of it, as where a lamp is in view and little of its light beside it, and there is room for 10⁵ of it in
+/// any number of samples, as where one visit of a chain stands for many. What is drawn here
 /// does not depend on a render's seed, method and rounds, so that their films can be added.
 pub fn film_unit(view: View) -> f64 {
     let region = &LightRegion::whole(view.scene.lights());

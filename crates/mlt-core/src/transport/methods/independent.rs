@@ -211,8 +211,8 @@ mod tests {
             let paths = PathTracer { view, light_sampler, max_edges: 12, max_image_edges: 12, branches: 2 };
             let connected = Bidirectional { view, region, max_edges: 12 };
             for [best, portable] in [both(&paths), both(&connected)] {
-                assert!(!portable.band(0).is_empty(), "{name}");
-                assert_eq!(best.band(0), portable.band(0), "{name}");
+                assert!(!portable.list().is_empty(), "{name}");
+                assert_eq!(best.list(), portable.list(), "{name}");
             }
         }
     }
