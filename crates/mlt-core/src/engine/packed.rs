@@ -42,9 +42,28 @@ impl Packed {
     /// Adds to an integer; what does not fit 128 bits stays at the largest or smallest of them.
     #[inline]
     pub(super) fn add(&mut self, index: usize, number: i128) {
-        if number == 0 {
-            return;
+        if number != 0 && self.add_in_place(index, number).is_none() {
+            self.add_wide(index, number);
         }
+    }
+
+    /// The same where number and sum have no more than 64 bits, and the sum no more bytes than there are.
+    #[inline]
+    fn add_in_place(&mut self, index: usize, number: i128) -> Option<()> {
+        let unused = u64::BITS.checked_sub(8 * self.width as u32)?;
+        let place = self.bytes[index * self.width..].first_chunk_mut()?;
+        let held = u64::from_le_bytes(*place);
+        let sum = (held.cast_signed() << unused >> unused).checked_add(i64::try_from(number).ok()?)?;
+        if sum << unused >> unused != sum {
+            return None;
+        }
+        // The bytes above are those of the integers that follow.
+        let own = u64::MAX >> unused;
+        *place = (held & !own | sum.cast_unsigned() & own).to_le_bytes();
+        Some(())
+    }
+
+    fn add_wide(&mut self, index: usize, number: i128) {
         let sum = sum(self.get(index), number);
         let width = width_of(sum);
         if width > self.width {
