@@ -355,7 +355,8 @@ mod tests {
     fn directions_are_directions_wherever_photons_lie() {
         for size in [0.0, 1e-12, 1.0, 1e12] {
             let at = |i: usize| Vec3A::new((i % 3) as f32, 0.0, (i % 5) as f32) * size;
-            let place = |i: usize| Place { position: at(i), normal: if i % 4 == 0 { Vec3A::X } else { Vec3A::Y } };
+            let place =
+                |i: usize| Place { position: at(i), normal: if i.is_multiple_of(4) { Vec3A::X } else { Vec3A::Y } };
             let photon = |i: usize| Photon { at: place(i), from: at(i) + Vec3A::Y * size * (i % 2) as f32 };
             for count in [1, 2, 5, 40] {
                 let guide = Guide::of((0..count).map(photon).collect());
