@@ -111,7 +111,7 @@ impl<const C: usize> Deposits<C> {
     }
 
     /// All of them.
-    #[cfg(test)]
+    #[cfg(all(test, feature = "transport"))]
     pub(crate) fn list(&self) -> &[Deposit<C>] {
         &self.list
     }
