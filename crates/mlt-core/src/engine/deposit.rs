@@ -111,7 +111,7 @@ impl<const C: usize> Deposits<C> {
     }
 
     /// All of them.
-    #[cfg(all(test, feature = "transport"))]
+    #[cfg(test)]
     pub(crate) fn list(&self) -> &[Deposit<C>] {
         &self.list
     }
@@ -137,5 +137,24 @@ impl<const C: usize> Sink<Splat<C>> for Deposits<C> {
             return;
         }
         self.list.push(Deposit { site: splat.site, value });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_keep_the_order_of_their_deposits() {
+        let mut deposits = Deposits::<1>::new(64, 4);
+        for i in 0..200 {
+            deposits.deposit(Splat { site: (i * 37) % 64, value: [1.0] }, f64::from(i));
+        }
+        let before = deposits.list().to_vec();
+        deposits.sort(&mut Vec::new());
+        for band in 0..4 {
+            let own = before.iter().filter(|deposit| deposit.site as usize / 16 == band);
+            assert!(deposits.band(band).iter().eq(own), "{band}");
+        }
     }
 }
