@@ -98,6 +98,20 @@ fn a_render_that_is_killed_goes_on_to_the_same_bits() {
     }
 }
 
+/// The plans of `auto` where light is hard, some with more samples than mutations.
+#[test]
+fn a_mixture_is_resumed_whatever_its_pilot_found() {
+    for scene in ["caustic/caustic.gltf", "stability/pool/scene.gltf", "stability/camera-in-glass/scene.gltf"] {
+        let (folder, scenes) = (folder(), concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes"));
+        let line = format!("render {scenes}/{scene} --size 64x64 --quiet --force");
+        made(&folder, &format!("{line} --samples-per-pixel 16 --rounds 4 -o part.mltp"));
+        let longer = format!("{line} --samples-per-pixel 32 --rounds 8");
+        made(&folder, &format!("{longer} --resume part.mltp -o resumed.exr"));
+        made(&folder, &format!("{longer} -o whole.exr"));
+        assert!(same(&folder, "whole.exr", "resumed.exr"), "{scene}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_signal_keeps_what_is_done_and_tells_by_the_exit_code() {

@@ -36,3 +36,11 @@ impl<'a> Errors<'a> {
         strip.1[(row - strip.0.start) * width..][..width].iter().map(|errors| errors[channel] as f32).collect()
     }
 }
+
+/// The errors of all pixels, row by row.
+pub(crate) fn of_all(film: &Film<3>) -> Vec<[f32; 3]> {
+    let height = film.size()[1] as usize;
+    let strip = |first: usize| film.standard_errors_of(first..(first + ROWS).min(height));
+    let in_f32 = |errors: [f64; 3]| errors.map(|error| error as f32);
+    (0..height).step_by(ROWS).flat_map(|first| strip(first).into_iter().map(in_f32)).collect()
+}

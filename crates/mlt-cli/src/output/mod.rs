@@ -10,7 +10,7 @@ use anyhow::{Context, bail};
 use crate::image::Image;
 
 mod decoder;
-mod errors;
+pub(crate) mod errors;
 mod existing;
 pub mod exr;
 mod format;

@@ -38,7 +38,7 @@ use crate::{
     image::Image,
     interrupt::Interrupt,
     kept::{self, Kept},
-    output::OutputFile,
+    output::{OutputFile, errors},
     print,
     report::Report,
     tell, warn, warn_all,
@@ -138,8 +138,7 @@ pub(crate) fn in_memory(options: &RenderOptions, setup: &Setup, interrupt: &Inte
         atomic::write(path, &kept::encode(&made.about, made.pilot.as_deref(), &sums)?)?;
     }
     let film = sums.film();
-    let errors = || film.standard_errors().into_iter().map(|errors| errors.map(|x| x as f32)).collect();
-    let (image, stderr) = (files::developed(film)?, (film.rounds() > 1).then(errors));
+    let (image, stderr) = (files::developed(film)?, (film.rounds() > 1).then(|| errors::of_all(film)));
     Ok(Rendered { image, stderr, report: made.report, blocks: film.blocks().into() })
 }
 

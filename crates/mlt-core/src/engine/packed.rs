@@ -103,9 +103,10 @@ impl Packed {
     pub(super) fn read(count: usize, from: &mut Reader) -> Result<Self, DecodeError> {
         let width = usize::try_from(from.number()?).ok().filter(|width| (1..=MOST).contains(width));
         let width = width.ok_or(DecodeError::Damaged)?;
-        let mut bytes = from.take(count.checked_mul(width).ok_or(DecodeError::Damaged)?)?.to_vec();
-        bytes.extend([0; MOST].iter().skip(width));
-        Ok(Self { width, bytes })
+        let taken = from.take(count.checked_mul(width).ok_or(DecodeError::Damaged)?)?;
+        let mut list = Self::of_width(width, count);
+        list.bytes[..taken.len()].copy_from_slice(taken);
+        Ok(list)
     }
 }
 

@@ -43,7 +43,7 @@ impl Found {
     /// Reads what [`write`](Self::write) has written.
     pub(super) fn read(view: View, settings: &Settings, from: &mut Reader) -> Result<Self, DecodeError> {
         let strata = LightStrata::read(view.scene.lights(), from)?;
-        let shares = read_shares(settings.mutations_per_round(view), from)?;
+        let shares = read_shares([settings.mutations_per_round(view), 0.0], from)?;
         Ok(Self { strata, shares, pilot: PilotCounts::read(from)? })
     }
 }
@@ -56,15 +56,15 @@ pub(super) fn put_shares(to: &mut Vec<u8>, shares: &[Share]) {
     put_list(to, shares, |to, share| [share.mutations, share.samples].into_iter().for_each(|count| put(to, count)));
 }
 
-/// Reads shares of a round for which about so many mutations are asked for. What no pilot shares out is refused: it would take more memory
-/// than a round may.
-pub(super) fn read_shares(mutations: f64, from: &mut Reader) -> Result<Vec<Share>, DecodeError> {
+/// Reads shares of a round for which about so many mutations are asked for, and so many samples at most beside those of an ordinary share. What
+/// no pilot shares out is refused: it would take more memory than a round may.
+pub(super) fn read_shares([mutations, samples]: [f64; 2], from: &mut Reader) -> Result<Vec<Share>, DecodeError> {
     let shares = from.list(read_share)?;
-    let sum = |count: fn(&Share) -> u64| shares.iter().map(count).fold(0, u64::saturating_add);
-    let least = 2 * LEAST_SAMPLES * shares.len() as u64;
+    let sum = |count: fn(&Share) -> u64| shares.iter().map(count).fold(0, u64::saturating_add) as f64;
+    let least = (2 * LEAST_SAMPLES * shares.len() as u64) as f64;
     let most = sum(|share| share.mutations);
     let in_bounds =
-        most as f64 <= MOST_MUTATIONS * (mutations + least as f64) && sum(|share| share.samples) <= most / 2 + least;
+        most <= MOST_MUTATIONS * (mutations + least) && sum(|share| share.samples) <= most / 2.0 + least + samples;
     if in_bounds { Ok(shares) } else { Err(DecodeError::Damaged) }
 }
 

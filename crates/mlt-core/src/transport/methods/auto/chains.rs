@@ -1,7 +1,8 @@
 //! The error that chains leave in their share of the image, and their shares of a round.
 
-use super::constants::{MUTATIONS_PER_SAMPLE, TIME_OF_A_CHAINS_RAY, WALKS};
+use super::constants::{MOST_WALKS, MUTATIONS_PER_SAMPLE, TIME_OF_A_CHAINS_RAY, WALKS};
 use crate::engine::{Measure, Share, allocate};
+use crate::transport::scene::View;
 
 /// Error that chains leave in an image of `to` pixels, as a mean over pixels and for each mutation and sample a pixel, from the
 /// sum over a pilot's image of `from` pixels and for each mutation and sample.
@@ -22,8 +23,14 @@ pub(super) struct Budget {
     pub(super) work: f64,
     /// Mutations for each independent sample, if their noise does not ask for more samples.
     pub(super) mutations_per_sample: u64,
-    /// Whether the last stratum holds what is met by chance.
-    pub(super) met: bool,
+    /// Most samples of the last stratum, if that holds what only chance meets; else 0.
+    pub(super) most_walks: u64,
+}
+
+/// [`Budget::most_walks`]: a sample takes 16 bytes while a round is prepared.
+pub(super) fn most_walks(view: &View) -> u64 {
+    let most = u64::from(view.camera.pixels()).max(MOST_WALKS);
+    if view.scene.needs().met_by_chance { most } else { 0 }
 }
 
 /// Error × work of chains in these strata with what they are handed out of a budget. `starts`: what their starts leave by strata, as chains
@@ -41,16 +48,17 @@ pub(super) fn product(measures: &[Measure], starts: &[f64], budget: Budget) -> f
 
 /// Shares of a round.
 pub(super) fn share_out(measures: &[Measure], budget: Budget) -> Vec<Share> {
-    let Budget { work, mutations_per_sample, met } = budget;
+    let Budget { work, mutations_per_sample, most_walks } = budget;
     let mut mutations = work / (2.0 * TIME_OF_A_CHAINS_RAY);
     let mut shares = Vec::new();
     for _ in 0..3 {
         let n = (mutations.max(1.0) / measures.len() as f64) as u64;
         let even = vec![Share { mutations: n.max(1), samples: (n / MUTATIONS_PER_SAMPLE).max(1) }; measures.len()];
         shares = allocate(measures, &even, mutations.max(1.0), mutations_per_sample);
-        if met && let (Some(share), Some(measure)) = (shares.last_mut(), measures.last()) {
+        if let (Some(share), Some(measure)) = (shares.last_mut(), measures.last()) {
             let rays = WALKS * work / TIME_OF_A_CHAINS_RAY;
-            share.samples = share.samples.max((rays / measure.sample_cost.max(1.0)) as u64);
+            let walks = (rays / measure.sample_cost.max(1.0)) as u64;
+            share.samples = share.samples.max(walks.min(most_walks));
         }
         let expected = measures.iter().zip(&shares).map(|(m, share)| work_of(m, share)).sum::<f64>() / work;
         mutations *= if expected > 0.0 { expected.recip().clamp(0.1, 10.0) } else { 1.0 };

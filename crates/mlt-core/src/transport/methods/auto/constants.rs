@@ -27,6 +27,8 @@ pub(super) const MUTATIONS_PER_SAMPLE: u64 = 8;
 pub(super) const PILOT_WALKS: u64 = 2;
 /// The same for a render, as a share of its chains' work: such light is met once in many renders. docs/log/auto.md.
 pub(super) const WALKS: f64 = 0.25;
+/// Most of these in a round, or the image's pixels if there are more; bounds memory.
+pub(super) const MOST_WALKS: u64 = 1 << 22;
 /// Rounds of the pilot's chains; chosen.
 pub(super) const ROUNDS: u64 = 4;
 /// Number of the first round of the pilot's chains: far from all others.

@@ -25,7 +25,7 @@ use crate::engine::{self, LEAST_CHAIN, Measure, Metropolis, Mixture, Share, Watc
 use crate::transport::image::error_weights;
 use crate::transport::lights::{LightStrata, Stratification};
 use crate::transport::scene::{View, rays_traced};
-use chains::{Budget, per_pixel, product, share_out};
+use chains::{Budget, most_walks, per_pixel, product, share_out};
 use constants::{
     BRANCHES, CHAIN_PILOT, LEAST_SHARE, MOSTLY_HARD, MUTATIONS, MUTATIONS_PER_SAMPLE, PILOT_WALKS, PIXELS, REDUCTION,
     ROUNDS, ROUNDS_OF_TIME, TIME_OF_CHAINS, USUAL_PIXELS,
@@ -178,7 +178,7 @@ impl Pilot<'_> {
 
     fn budget(&self, work: f64) -> Budget {
         let mutations_per_sample = mutations_per_sample(self.view, engine::MUTATIONS_PER_SAMPLE);
-        Budget { work, mutations_per_sample, met: self.view.scene.needs().met_by_chance }
+        Budget { work, mutations_per_sample, most_walks: most_walks(&self.view) }
     }
 
     fn cut(&self) -> LightStrata {

@@ -1,5 +1,6 @@
 //! A plan as bytes, and back without trust.
 
+use super::chains::most_walks;
 use super::constants::BRANCHES;
 use super::levels::Levels;
 use super::plan::{Plan, Summary};
@@ -28,7 +29,7 @@ impl Plan {
         let (branches, max_edges) = (from.number()?, from.number()? as usize);
         let samples = f64::from_bits(from.number()?);
         let asked_for = settings.per_pixel.max(1.0) * f64::from(view.camera.pixels());
-        let shares = read_shares(asked_for, from)?;
+        let shares = read_shares([asked_for, most_walks(&view) as f64], from)?;
         let branches = BRANCHES.into_iter().find(|&n| u64::from(n) == branches).ok_or(DecodeError::Damaged)?;
         let in_bounds = (1..=settings.most_edges()).contains(&max_edges)
             && samples > 0.0

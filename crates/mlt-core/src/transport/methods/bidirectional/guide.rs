@@ -14,7 +14,7 @@
 
 use crate::engine::{PILOT, Purpose, generator, uniform_f32};
 use crate::transport::geometry::Vertex;
-use crate::transport::geometry::math::{frame, turn, unit};
+use crate::transport::geometry::math::{cross, frame, turn, unit};
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::settings::Settings;
 use crate::transport::paths::PathVertex;
@@ -34,6 +34,8 @@ const PHOTONS: f64 = 2.0;
 const LIMITS: [f64; 2] = [1024.0, 262_144.0];
 /// Number of a round that nothing else has.
 const ROUND: u64 = PILOT + (1 << 41);
+/// Most specular vertices of a light subpath, which may go on for ever between mirrors.
+const MOST_SPECULAR: usize = 32;
 /// Least width of a lobe: a thousandth of a radian.
 const LEAST_WIDTH: f32 = 5e-7;
 /// Share of their mean square that is added to that of photons' places in a fit: they often lie in a plane.
@@ -211,7 +213,7 @@ impl Fit {
         let outer = |a: Vec3A, b: Vec3A| Mat3A::from_cols(a * b.x, a * b.y, a * b.z);
         let of_places = photons.iter().map(|p| outer(step(p), step(p))).sum::<Mat3A>();
         let of_both = photons.iter().map(|p| outer(direction(p) - mean, step(p))).sum::<Mat3A>();
-        let gradient = of_both * (of_places + Mat3A::from_diagonal(Vec3::splat(n * RIDGE))).inverse();
+        let gradient = of_both * inverse(of_places + Mat3A::from_diagonal(Vec3::splat(n * RIDGE)));
         let left = |p: &Photon| (direction(p) - mean - gradient * step(p)).length_squared();
         let scatter = photons.iter().map(left).sum::<f32>() / (n - PARAMETERS).max(1.0);
         let width = if n > PARAMETERS { 0.5 * scatter } else { 1.0 };
@@ -222,6 +224,13 @@ impl Fit {
     fn lobe(&self, x: Vec3A) -> Lobe {
         Lobe::towards(self.direction + self.gradient * (self.scale * (x - self.place)), self.width)
     }
+}
+
+/// The inverse of a symmetric matrix, to the same bits on every machine: glam's takes its own [`cross`].
+fn inverse(m: Mat3A) -> Mat3A {
+    let [a, b, c] = [m.x_axis, m.y_axis, m.z_axis];
+    let adjugate = Mat3A::from_cols(cross(b, c), cross(c, a), cross(a, b));
+    adjugate * a.dot(adjugate.x_axis).recip()
 }
 
 impl Photon {
@@ -273,7 +282,7 @@ impl Lobe {
 fn photon(view: &View, lights: &LightRegion, max_edges: usize, rng: &mut impl Rng) -> Option<Photon> {
     let (x_0, _) = start_at_light(view, lights, light_numbers(rng));
     let mut vertices = vec![x_0];
-    for i in 0..max_edges.saturating_sub(1) {
+    for i in 0..max_edges.saturating_sub(1).min(MOST_SPECULAR) {
         vertices.push(PathVertex::new(x_0.vertex));
         step_from_light(&mut vertices, i, view, rng)?;
         let [from, x] = [vertices[i].vertex, vertices[i + 1].vertex];

@@ -30,9 +30,9 @@ impl<'a> PathChains<'a> {
     /// With the rays that a guide took.
     pub(super) fn new(view: View<'a>, settings: Settings, importance: PixelImportance) -> (Self, u64) {
         let lights = LightRegion::whole(view.scene.lights());
-        let (guide, rays) = match settings.stratification {
-            Stratification::None => Default::default(),
-            _ => Guide::new(&view, &settings, &lights),
+        let (guide, rays) = match (settings.stratification, settings.variant) {
+            (Stratification::None, _) | (_, Variant::MutationOnly) => Default::default(),
+            (_, Variant::Stratified) => Guide::new(&view, &settings, &lights),
         };
         (Self { view, settings, importance, lights, guide }, rays)
     }
