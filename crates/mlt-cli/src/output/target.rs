@@ -15,7 +15,7 @@ use crate::atomic;
 /// The name that stands for standard output.
 const STDOUT: &str = "-";
 
-/// What the bytes of a file are written to.
+/// Takes the bytes of a file.
 pub trait Medium: Read + Write + Seek {}
 
 impl<T: Read + Write + Seek> Medium for T {}

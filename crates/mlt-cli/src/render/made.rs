@@ -1,4 +1,4 @@
-//! What the rounds of a render have come to.
+//! A render that is over: its rounds and its report.
 
 use mlt_core::transport::render::Sums;
 

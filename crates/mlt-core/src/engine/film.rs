@@ -99,7 +99,7 @@ impl<const C: usize> Film<C> {
         self.sums[site >> self.shift].get(site & ((1 << self.shift) - 1))
     }
 
-    /// What the current round has in each site so far.
+    /// The current round so far, site by site.
     pub(super) fn round(&self) -> &[[f32; C]] {
         &self.round
     }

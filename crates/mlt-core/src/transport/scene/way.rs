@@ -41,8 +41,8 @@ impl Way {
         if self.endless { self.to } else { self.to - self.from }
     }
 
-    /// What is left of it behind a surface on it; nothing where that is within rounding of the end, from which the rest would lead back,
-    /// and for ever back and forth among surfaces that are clear.
+    /// The rest of it, behind a surface on it; nothing where the surface is within rounding of the end. From there the rest would lead back, and
+    /// for ever back and forth among clear surfaces.
     #[inline(always)]
     pub(super) fn behind(&self, surface: &Vertex) -> Option<Self> {
         let step = self.step();

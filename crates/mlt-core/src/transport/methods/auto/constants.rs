@@ -19,6 +19,20 @@ pub(super) const ROUNDS_OF_TIME: f64 = 1.5;
 /// Time of the pilot's chains for one of its pixels, in samples of path tracing, about; measured on the built-in scenes.
 pub(super) const TIME_OF_CHAINS: f64 = 30.0;
 
+/// Shares of the pilot's time at which its steps begin, about: levels, path tracing, chains, and what these tell; chosen.
+pub(super) const STEPS: [f64; 5] = [0.0, 0.1, 0.3, 0.7, 1.0];
+
+/// Bidirectional samples of each pixel for the levels, in two halves; chosen, section 1.
+pub(super) const LEVEL_SAMPLES: u64 = 4;
+/// Radius of the squares that they are averaged over, as a share of the image's longer side; chosen, section 1.
+pub(super) const LEVEL_RADIUS: f64 = 1.0 / 16.0;
+/// Least level, as a share of the image's mean; chosen, section 1.
+pub(super) const LEVEL_FLOOR: f64 = 1.0;
+/// c over the level of a pixel; measured, section 1.
+pub(super) const HALF_OF_LEVEL: f64 = 4.0;
+/// Points of one sequence for which two sequences a pixel, whose spread is the noise, are enough; shorter ones are four. Chosen.
+pub(super) const LONG_SEQUENCE: u64 = 4;
+
 /// Mutations a pixel and round of the pilot; chosen.
 pub(super) const MUTATIONS: f64 = 8.0;
 /// Mutations for each independent sample of the pilot; chosen.
@@ -34,6 +48,9 @@ pub(super) const ROUNDS: u64 = 4;
 /// Number of the first round of the pilot's chains: far from all others.
 pub(super) const CHAIN_PILOT: u64 = PILOT + (1 << 40);
 
+/// Chains in each stratum that tell the tail; section 2.
+pub(super) const TOLD_CHAINS: u64 = 16;
+
 /// Least share of the power of a part of the lights that is asked for; chosen.
 pub(super) const LEAST_SHARE: f64 = 1.0 / 16.0;
 /// Least share of a round's work for chains; chosen, section 3.
@@ -48,3 +65,5 @@ pub(super) const DOUBT: f64 = 3.0;
 pub(super) const MOSTLY_HARD: f64 = 0.5;
 /// Numbers of branches that are tried; section 3.
 pub(super) const BRANCHES: [u32; 4] = [1, 2, 4, 8];
+/// Samples of each pixel in a round that are read from a file, at most, over those that were asked for; bounds memory.
+pub(super) const MOST_SAMPLES: f64 = 256.0;

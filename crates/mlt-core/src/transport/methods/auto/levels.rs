@@ -1,5 +1,6 @@
 //! The level of each part of the image: what a pixel is expected to show, without noise.
 
+use super::constants::{LEVEL_FLOOR, LEVEL_RADIUS, LEVEL_SAMPLES};
 use crate::engine::{DecodeError, PILOT, Purpose, Reader, Watch, generator, put, put_list};
 use crate::transport::colour::LUMINANCE;
 use crate::transport::image::blurred;
@@ -10,13 +11,6 @@ use crate::transport::paths::Kinds;
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
-
-/// Samples of each pixel, in two halves.
-const SAMPLES: u64 = 4;
-/// Radius of the squares that are averaged over, as a share of the image's longer side.
-const RADIUS: f64 = 1.0 / 16.0;
-/// Least level, as a share of the image's mean.
-const FLOOR: f64 = 1.0;
 
 /// Luminance of a small image.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,10 +37,10 @@ impl Levels {
         let shown: Vec<Vec<Shown>> = (0..pixels).into_par_iter().map(of_pixel).collect::<Option<_>>()?;
         let mut halves = [(); 2].map(|()| vec![0.0; pixels as usize]);
         for ([pixel, half], value) in shown.into_iter().flatten() {
-            halves[half][pixel] += value / (SAMPLES / 2) as f64;
+            halves[half][pixel] += value / (LEVEL_SAMPLES / 2) as f64;
         }
         let light = without_noise(&halves, size);
-        let floor = FLOOR * light.iter().sum::<f64>() / f64::from(pixels);
+        let floor = LEVEL_FLOOR * light.iter().sum::<f64>() / f64::from(pixels);
         let values = light.into_iter().map(|level| level.max(floor)).collect();
         Some(Self { size, values })
     }
@@ -85,7 +79,7 @@ impl Levels {
 
 /// An image from two with independent noise: smooth, but where both are bright.
 fn without_noise([a, b]: &[Vec<f64>; 2], size: [u32; 2]) -> Vec<f64> {
-    let radius = (RADIUS * f64::from(size[0].max(size[1]))).ceil() as usize;
+    let radius = (LEVEL_RADIUS * f64::from(size[0].max(size[1]))).ceil() as usize;
     let mean: Vec<_> = a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
     let darker = a.iter().zip(b).map(|(a, b)| a.min(*b));
     blurred(&mean, size, radius).into_iter().zip(darker).map(|(smooth, darker)| smooth.max(darker)).collect()
@@ -94,7 +88,7 @@ fn without_noise([a, b]: &[Vec<f64>; 2], size: [u32; 2]) -> Vec<f64> {
 fn shown(sampler: &Bidirectional, kinds: Kinds, pixel: u32, seed: u64) -> Vec<Shown> {
     let mut shown = Vec::new();
     let rng = &mut OwenSobol::new(generator(seed, Purpose::Image, PILOT - 1, 0, pixel.into()).next_u64());
-    for index in 0..SAMPLES {
+    for index in 0..LEVEL_SAMPLES {
         rng.go_to(index);
         let film = point_in_pixel(pixel.into(), sampler.size(), rng);
         sampler.sample(film, rng, &mut |elsewhere, value, end| {

@@ -1,5 +1,6 @@
 //! Measurement of path tracing on a small image.
 
+use super::constants::LONG_SEQUENCE;
 use super::split::{IN_VIEW, Rest, Split};
 use crate::engine::{PILOT, Purpose, Watch, generator};
 use crate::transport::methods::independent::{ImageSampler, Selection, point_in_pixel};
@@ -9,9 +10,6 @@ use crate::transport::paths::Kind;
 use crate::transport::scene::rays_traced;
 use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
-
-/// Points of one sequence for which two sequences a pixel, whose spread is the noise, are enough; shorter ones are four.
-const LONG: u64 = 4;
 
 /// Classes of paths whose noise depends in different ways on how samples are taken: lamps in view, other paths of at most two edges, all
 /// others.
@@ -40,7 +38,7 @@ impl Measured {
     /// not fall like that of others. Nothing if it is stopped.
     pub(super) fn new(sampler: &PathTracer, split: &Split, samples: u64, seed: u64, watch: Watch) -> Option<Self> {
         let count = sampler.size().iter().product::<u32>();
-        let sequences = if samples < LONG { 4 } else { 2 };
+        let sequences = if samples < LONG_SEQUENCE { 4 } else { 2 };
         let pieces = watch.pieces(count as usize);
         let of_pixel =
             |pixel| pieces.unless_stopped(|| of_pixel(sampler, &Rest(split), pixel, [sequences, samples], seed));

@@ -28,7 +28,7 @@ use crate::transport::scene::{View, rays_traced};
 use chains::{Budget, most_walks, per_pixel, product, share_out};
 use constants::{
     BRANCHES, CHAIN_PILOT, LEAST_SHARE, MOSTLY_HARD, MUTATIONS, MUTATIONS_PER_SAMPLE, PILOT_WALKS, PIXELS, REDUCTION,
-    ROUNDS, ROUNDS_OF_TIME, TIME_OF_CHAINS, USUAL_PIXELS,
+    ROUNDS, ROUNDS_OF_TIME, STEPS, TIME_OF_CHAINS, USUAL_PIXELS,
 };
 use decide::{Candidate, Decision, better, decide};
 use levels::Levels;
@@ -40,9 +40,6 @@ pub use constants::TIME_OF_A_CHAINS_RAY;
 pub use plan::{Plan, Summary};
 pub use render::Auto;
 use render::Common;
-
-/// Shares of the pilot's time at which its steps begin, about: levels, path tracing, chains, and what these tell.
-const STEPS: [f64; 5] = [0.0, 0.1, 0.3, 0.7, 1.0];
 
 /// The task that a pilot finds a plan for.
 struct Pilot<'a> {

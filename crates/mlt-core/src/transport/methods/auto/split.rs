@@ -1,5 +1,6 @@
 //! How each path is shared out between independent samples and chains: by what it is worth to the samples.
 
+use super::constants::HALF_OF_LEVEL;
 use super::levels::Levels;
 use crate::engine::Importance;
 use crate::transport::colour::LUMINANCE;
@@ -32,7 +33,7 @@ pub(super) struct Split {
 impl Split {
     /// For an image of this size.
     pub(super) fn new(levels: &Levels, size: [u32; 2], max_edges: usize) -> Self {
-        Self { half: levels.enlarged(size).map(|level| (HALF * level) as f32).collect(), max_edges }
+        Self { half: levels.enlarged(size).map(|level| (HALF_OF_LEVEL * level) as f32).collect(), max_edges }
     }
 
     /// W where u is the `value` and the path crosses the image at a pixel.
@@ -53,9 +54,6 @@ impl Split {
         Luminance.eval(path) / (met.hypot(drawn) * survival(path, view))
     }
 }
-
-/// c over the level of a pixel.
-const HALF: f64 = 4.0;
 
 /// Independent samples' share of each path, 1 − W.
 #[derive(Clone, Copy, Debug)]

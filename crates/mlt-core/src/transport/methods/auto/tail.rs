@@ -1,6 +1,6 @@
 //! The noise that chains tell of: what path tracing would leave without them, and what their own starts leave.
 
-use super::constants::{CHAIN_PILOT, MUTATIONS_PER_SAMPLE};
+use super::constants::{CHAIN_PILOT, MUTATIONS_PER_SAMPLE, TOLD_CHAINS};
 use super::split::Taken;
 use crate::engine::{
     CHAIN_LENGTH, Chain, Generator, Importance, Mixture, Purpose, Sink, Stratum, Watch, generator, uniform,
@@ -10,9 +10,6 @@ use crate::transport::methods::metropolis::{LightStratum, PathMutation};
 use crate::transport::paths::{LightPath, Luminance};
 use crate::transport::scene::rays_traced;
 use rayon::prelude::*;
-
-/// Chains in each stratum that tell it.
-const CHAINS: u64 = 16;
 
 /// Findings of chains, each of them per sample a pixel.
 #[derive(Clone, Debug)]
@@ -62,10 +59,10 @@ type PathChain<'a> = Chain<'a, LightPath, LightStratum<'a>, PathMutation<'a>, Ta
 impl Tail<'_> {
     /// From so many mutations in each stratum, and what that took. Nothing if it is stopped.
     pub(super) fn measure(&self, strata: &[LightStratum], mutations: u64, watch: Watch) -> Option<(Told, PilotCounts)> {
-        let chains: Vec<_> = (0..strata.len() as u64 * CHAINS).collect();
-        let (pieces, mutations) = (watch.pieces(chains.len()), mutations / CHAINS);
+        let chains: Vec<_> = (0..strata.len() as u64 * TOLD_CHAINS).collect();
+        let (pieces, mutations) = (watch.pieces(chains.len()), mutations / TOLD_CHAINS);
         let of_chain = |&i: &u64| {
-            let stratum = &strata[(i / CHAINS) as usize];
+            let stratum = &strata[(i / TOLD_CHAINS) as usize];
             pieces.unless_stopped(|| {
                 let before = rays_traced();
                 (self.of_chain(stratum, i, mutations), rays_traced() - before)
@@ -74,7 +71,7 @@ impl Tail<'_> {
         let (found, rays): (Vec<[f64; 2]>, Vec<u64>) =
             chains.par_iter().map(of_chain).collect::<Option<Vec<_>>>()?.into_iter().unzip();
         let spent = PilotCounts { mutations: chains.len() as u64 * mutations, rays: rays.iter().sum() };
-        let told = found.chunks(CHAINS as usize).map(of_stratum);
+        let told = found.chunks(TOLD_CHAINS as usize).map(of_stratum);
         let (tails, starts): (Vec<f64>, Vec<f64>) = told.unzip();
         Some((Told { tail: tails.iter().sum(), starts }, spent))
     }

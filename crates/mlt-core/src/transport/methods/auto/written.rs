@@ -1,7 +1,7 @@
 //! A plan as bytes, and back without trust.
 
 use super::chains::most_walks;
-use super::constants::BRANCHES;
+use super::constants::{BRANCHES, MOST_SAMPLES};
 use super::levels::Levels;
 use super::plan::{Plan, Summary};
 use crate::engine::{DecodeError, Reader, put};
@@ -9,9 +9,6 @@ use crate::transport::lights::LightStrata;
 use crate::transport::methods::found::{put_shares, read_shares};
 use crate::transport::methods::settings::Settings;
 use crate::transport::scene::View;
-
-/// Samples of each pixel in a round that are read, at most, over those that were asked for.
-const MOST_SAMPLES: f64 = 256.0;
 
 impl Plan {
     /// Appends it to bytes.

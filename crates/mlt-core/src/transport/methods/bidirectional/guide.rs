@@ -12,9 +12,10 @@
 //!
 //! docs/theory-strata.md, section 8. Sources: [Jensen95], photons as a guide for path tracing; [KatoMcCullagh20], the distribution.
 
+use super::lobe::Lobe;
 use crate::engine::{PILOT, Purpose, generator, uniform_f32};
 use crate::transport::geometry::Vertex;
-use crate::transport::geometry::math::{cross, frame, turn, unit};
+use crate::transport::geometry::math::cross;
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::settings::Settings;
 use crate::transport::paths::PathVertex;
@@ -23,7 +24,6 @@ use crate::transport::scene::{View, rays_traced};
 use glam::{Mat3A, Vec3, Vec3A};
 use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
-use std::f32::consts::PI;
 use std::ops::Range;
 
 /// Most photons that a place takes its directions from.
@@ -36,8 +36,6 @@ const LIMITS: [f64; 2] = [1024.0, 262_144.0];
 const ROUND: u64 = PILOT + (1 << 41);
 /// Most specular vertices of a light subpath, which may go on for ever between mirrors.
 const MOST_SPECULAR: usize = 32;
-/// Least width of a lobe: a thousandth of a radian.
-const LEAST_WIDTH: f32 = 5e-7;
 /// Share of their mean square that is added to that of photons' places in a fit: they often lie in a plane.
 const RIDGE: f32 = 1e-3;
 /// Numbers that a fit of one coordinate in a plane has.
@@ -130,7 +128,7 @@ impl Guide {
         Some(lobe.sample(uniform_f32(rng), uniform_f32(rng)))
     }
 
-    /// What of (G1) is not the BSDF's, times two, sr⁻¹; nothing where there are no photons.
+    /// The density of the directions that [`sample`](Self::sample) draws, sr⁻¹; nothing where there are no photons.
     pub(crate) fn density(&self, x: &Vertex, direction: Vec3A) -> Option<f32> {
         let (photons, fit) = self.near(x)?;
         let of_photons: f32 = photons.iter().map(|photon| photon.lobe(x.position).density(direction)).sum();
@@ -242,42 +240,6 @@ impl Photon {
     }
 }
 
-/// A spherical Cauchy distribution of directions, of density q = ε (2 + ε)/(4π (1 − ω·d + ε)²).
-#[derive(Clone, Copy, Debug)]
-struct Lobe {
-    /// d.
-    axis: Vec3A,
-    /// ε.
-    width: f32,
-}
-
-impl Lobe {
-    /// About a vector; about any direction, and wide, where that is none.
-    fn towards(vector: Vec3A, width: f32) -> Self {
-        match vector.length_squared() {
-            square if square > 0.0 && square.is_finite() => {
-                Self { axis: unit(vector), width: width.clamp(LEAST_WIDTH, 1.0) }
-            }
-            _ => Self { axis: Vec3A::Z, width: 1.0 },
-        }
-    }
-
-    /// By inversion of the distribution of z, z/(z + ε) (2 + ε)/2.
-    fn sample(&self, u: f32, v: f32) -> Vec3A {
-        let part = 2.0 * u / (2.0 + self.width);
-        let z = (self.width * part / (1.0 - part)).min(2.0);
-        let (about, (s, t)) = (turn(v), frame(self.axis));
-        unit((1.0 - z) * self.axis + (z * (2.0 - z)).sqrt() * (about.x * s + about.y * t))
-    }
-
-    /// q, sr⁻¹.
-    fn density(&self, direction: Vec3A) -> f32 {
-        // 1 − cosθ, without the cancellation.
-        let z = 0.5 * (direction - self.axis).length_squared();
-        self.width * (2.0 + self.width) / (4.0 * PI * (z + self.width).powi(2))
-    }
-}
-
 /// A light subpath's first vertex that is not specular, if all before it are and there are some.
 fn photon(view: &View, lights: &LightRegion, max_edges: usize, rng: &mut impl Rng) -> Option<Photon> {
     let (x_0, _) = start_at_light(view, lights, light_numbers(rng));
@@ -296,30 +258,7 @@ fn photon(view: &View, lights: &LightRegion, max_edges: usize, rng: &mut impl Rn
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Shares of directions within angles of the axis, counted and integrated.
-    #[test]
-    fn a_lobe_is_drawn_as_its_density_says() {
-        let n = 20_000;
-        for width in [1e-4_f32, 0.03, 1.0] {
-            let lobe = Lobe { axis: unit(Vec3A::new(0.3, -0.8, 0.5)), width };
-            let (side, _) = frame(lobe.axis);
-            let at = |z: f32| (1.0 - z) * lobe.axis + (z * (2.0 - z)).max(0.0).sqrt() * side;
-            for part in [0.3, 1.0, 20.0] {
-                let most = (part * width).min(2.0);
-                let middle = |i: u16| most * (f32::from(i) + 0.5) / 10_000.0;
-                let expected: f32 = (0..10_000).map(|i| 2.0 * PI * lobe.density(at(middle(i))) * most / 10_000.0).sum();
-                let within = |i: &u64| {
-                    let rng = &mut generator(1, Purpose::Sample, 0, 0, *i);
-                    let direction = lobe.sample(uniform_f32(rng), uniform_f32(rng));
-                    0.5 * (direction - lobe.axis).length_squared() < most
-                };
-                let (found, expected) = ((0..n).filter(within).count() as f64, f64::from(expected) * n as f64);
-                let error = (expected * (1.0 - expected / n as f64)).max(1.0).sqrt();
-                assert!((found - expected).abs() < 4.5 * error, "{width} {part}: {found} of {expected}");
-            }
-        }
-    }
+    use crate::transport::geometry::math::unit;
 
     /// All rays of a point behind a mirror come from the point's image, wherever they arrive: the fit knows it, single photons do not.
     #[test]

@@ -2,6 +2,7 @@
 
 mod connect;
 mod guide;
+mod lobe;
 mod met;
 mod sampler;
 
