@@ -16,13 +16,15 @@ use std::{fmt, ops::ControlFlow};
 const SIZE: [u32; 2] = [8, 8];
 /// Rounds of a render: enough to know its error from their scatter.
 const ROUNDS: u64 = 16;
-/// How many times the samples there are at most, and how many more at each step.
-const MOST: f64 = 512.0;
+/// How many times the samples there are at each step, and after all of them. A few samples of a heavy tail lie about their error; these tell a
+/// tail, which gives way, from a fault, which stands out the more.
 const MORE: f64 = 8.0;
+const STEPS: usize = 5;
+const MOST: f64 = (1 << (3 * STEPS)) as f64;
 /// Standard errors by which two methods may differ before they are rendered anew, and in the end.
 const DOUBT: f64 = 4.0;
 const FAULT: f64 = 5.0;
-/// Relative difference that rounding may make.
+/// Difference that rounding may make, relative to the whole image: a part that is darker than this is black to whoever looks at it.
 const ROUNDING: f64 = 1e-5;
 /// Means that are compared: three channels of the whole image and of its quarters.
 const MEANS: usize = 15;
@@ -59,7 +61,7 @@ pub(crate) struct Contest {
     pools: [ThreadPool; 2],
     differences: [Differences; METHODS.len()],
     /// Rooms that had a pair of methods in doubt, by how often it was rendered anew.
-    doubts: [u64; 3],
+    doubts: [u64; STEPS],
     /// Of all sums, in the order of the rooms: the same on every machine.
     bits: blake3::Hasher,
 }
@@ -67,7 +69,12 @@ pub(crate) struct Contest {
 impl Contest {
     pub(crate) fn new() -> Self {
         let pool = |threads| ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        Self { pools: [pool(1), pool(2)], differences: Default::default(), doubts: [0; 3], bits: blake3::Hasher::new() }
+        Self {
+            pools: [pool(1), pool(2)],
+            differences: Default::default(),
+            doubts: [0; STEPS],
+            bits: blake3::Hasher::new(),
+        }
     }
 
     /// Renders the room of this number by all methods.
@@ -175,7 +182,7 @@ impl Contest {
 
 impl fmt::Display for Contest {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        writeln!(f, "pairs rendered anew with 8, 64, 512 times the samples: {:?}", self.doubts)?;
+        writeln!(f, "pairs rendered anew with 8, 64, … {MOST} times the samples: {:?}", self.doubts)?;
         for ((method, _), Differences { rooms, sum, squares }) in
             METHODS.iter().zip(self.differences).skip(REFERENCE + 1)
         {
@@ -256,14 +263,15 @@ impl Estimate {
 
     /// Largest difference of a mean in standard errors, and which mean it is.
     fn distance(&self, other: &Self) -> (f64, usize) {
-        let distance = |(a, b): (&(f64, f64), &(f64, f64))| {
-            let rounding = ROUNDING * a.0.abs().max(b.0.abs());
+        let distance = |(mean, (a, b)): (usize, (&(f64, f64), &(f64, f64)))| {
+            let rounding =
+                ROUNDING * [self, other].map(|estimate| estimate.0[mean % 3].0.abs()).into_iter().fold(0.0, f64::max);
             match (a.0 - b.0).abs() {
                 difference if difference <= rounding => 0.0,
                 difference => difference / (a.1 * a.1 + b.1 * b.1 + rounding * rounding).sqrt(),
             }
         };
-        let distances = self.0.iter().zip(&other.0).map(distance);
+        let distances = self.0.iter().zip(&other.0).enumerate().map(distance);
         distances
             .enumerate()
             .map(|(mean, distance)| (distance, mean))
