@@ -4,6 +4,8 @@ mod bench;
 mod bench_browser;
 mod diff;
 mod farm;
+#[path = "../faults/mod.rs"]
+mod faults;
 mod formats;
 mod frames;
 mod inspect;

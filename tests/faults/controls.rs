@@ -1,6 +1,6 @@
 //! Cases without the trouble: they have always been right, and show that the values are read as they were written.
 
-use crate::support::render;
+use super::support::render;
 
 #[test]
 fn a_plain_gltf_file_has_its_value() {

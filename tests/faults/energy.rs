@@ -1,6 +1,6 @@
 //! White plastic neither makes light nor loses it.
 
-use crate::support::render;
+use super::support::render;
 
 /// A furnace hides what absorbs nothing, but for what the smooth normals of this ball of 960 triangles lose: a diffuse white ball
 /// in its place has b = 0.9984, too. A base that does not know of its coat gives 1.015.

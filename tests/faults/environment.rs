@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use exr::prelude::{SpecificChannels, WritableImage};
 
-use crate::support::{Render, refusal, render};
+use super::support::{Render, refusal, render};
 
 const METHODS: [(&str, &str); 7] = [
     ("pt", "--samples-per-pixel 64"),

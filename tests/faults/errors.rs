@@ -9,7 +9,7 @@ use std::{
 use mlt_cli::output::exr;
 use serde_json::Value;
 
-use crate::support::{Render, render};
+use super::support::{Render, render};
 
 /// The program in a folder.
 fn mlt(folder: &Path, line: &str) -> Output {

@@ -1,6 +1,6 @@
 //! Surfaces of very different sizes, and surfaces in one place.
 
-use crate::support::{Render, render};
+use super::support::{Render, render};
 
 /// A cube under a lamp, on a ground of a kilometre, 100 and 1,000 kilometres: the same image. The control is the ground whose
 /// size never mattered.

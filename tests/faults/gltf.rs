@@ -1,6 +1,6 @@
 //! glTF files as programs write them, cameras that stand elsewhere, winding against normals, and scenes too large.
 
-use crate::support::{data, refusal, render};
+use super::support::{data, refusal, render};
 use serde_json::{Value, json};
 use std::{fs, path::Path};
 

@@ -1,6 +1,6 @@
 //! OBJ and MTL as programs write them.
 
-use crate::support::{Render, render};
+use super::support::{Render, render};
 
 /// A view of the floor under its lamp.
 pub(crate) fn seen(name: &str, size: u32, samples: u32) -> Render {
@@ -54,7 +54,7 @@ fn concave_polygons_are_filled() {
 #[test]
 fn a_fan_in_place_of_an_arrow_is_seen() {
     let folder = tempfile::tempdir().expect("a folder");
-    let truth = crate::support::data("obj-concave-arrow-truth");
+    let truth = super::support::data("obj-concave-arrow-truth");
     let read = |name: &str| std::fs::read_to_string(truth.join(name)).expect("a file");
     let fan = read("scene.obj").replace("f -2 -1 -4\nf -2 -4 -3", "f -1 -4 -3\nf -1 -3 -2");
     std::fs::write(folder.path().join("scene.obj"), fan).expect("written");

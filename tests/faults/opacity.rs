@@ -3,7 +3,7 @@
 //! A thing behind a black sheet of opacity α is seen 1 − α times as bright, whatever the method; a floor of opacity α is
 //! α times as bright over nothing.
 
-use crate::{
+use super::{
     obj::seen,
     support::{Render, render},
 };

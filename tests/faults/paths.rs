@@ -1,6 +1,6 @@
 //! Paths of many edges, and paths through edges that are hardly longer than the rounding errors of their ends.
 
-use crate::support::render;
+use super::support::render;
 
 /// A stray triangle thousands of room sizes away changes the room's unit of length, which is not seen.
 #[test]

@@ -1,7 +1,7 @@
 //! Lights of which power tells little: a lamp of a millionth of the room beside a sky, a tube of many triangles and a spark, two
 //! hundred lamps. Whatever starts paths at lights draws the light for the vertex that it lights.
 
-use crate::support::render;
+use super::support::render;
 
 /// All methods that trace from lights, whole and in strata.
 const METHODS: [&str; 7] =

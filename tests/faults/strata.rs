@@ -1,6 +1,6 @@
 //! Strata of lights where light comes through glass.
 
-use crate::support::render;
+use super::support::render;
 
 /// A lamp above a pane of glass, a mirror and surfaces that are not opaque: a part of the light passes the pane on its way to a
 /// surface that is seen in the mirror or through the glass, and nothing but camera subpaths that meet the lamp makes such paths.

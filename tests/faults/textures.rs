@@ -3,7 +3,7 @@
 //! A quad of 2 × 2 pixels fills the view, a quarter of it each pixel. Around it is a furnace, radiance 1 from everywhere, in which a
 //! surface of albedo ρ shows ρ and a hole shows 1.
 
-use crate::support::{Render, render};
+use super::support::{Render, render};
 use serde_json::{Value, json};
 use std::{fs, path::Path};
 
@@ -250,7 +250,7 @@ fn a_forgotten_texture_is_seen() {
     for (file, from, to) in
         [("alpha-mask", "\"MASK\"", "\"OPAQUE\""), ("emissive-texture", "\"emissiveTexture\"", "\"normalTexture\"")]
     {
-        let text = fs::read_to_string(crate::support::data(&format!("files/{file}.gltf"))).expect("a scene");
+        let text = fs::read_to_string(super::support::data(&format!("files/{file}.gltf"))).expect("a scene");
         let folder = tempfile::tempdir().expect("a folder");
         let changed = folder.path().join("scene.gltf");
         assert!(text.contains(from), "{file}");

@@ -6,5 +6,6 @@ mod gallery;
 mod gltf;
 mod gltf_moving;
 mod obj;
+mod packages;
 mod support;
 mod textures;

@@ -30,7 +30,6 @@ mod rooms;
 mod system;
 mod terminal;
 pub mod tools;
-mod usage;
 pub mod verify;
 
 pub use exit::Failure;
@@ -45,7 +44,7 @@ pub fn main() -> ExitCode {
     terminal::choose_colour(args::line::colour(&words).into());
     let outcome = args::line::completed(words).and_then(|words| match args::Cli::try_parse_from(words) {
         Ok(cli) => run(&cli),
-        Err(error) => usage::answer(&error),
+        Err(error) => args::usage::answer(&error),
     });
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

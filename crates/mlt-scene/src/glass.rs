@@ -10,6 +10,7 @@ use std::collections::HashMap;
 
 /// How to take surfaces that transmit light, where a file does not say that they bound a volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Glass {
     /// Solids where their meshes are closed, else thin walls.
     #[default]

@@ -23,6 +23,7 @@ pub struct LoadOptions {
 
 /// How to hold meshes that stand in several places; the image is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Copies {
     /// Once where that saves much memory.
     #[default]
@@ -35,6 +36,7 @@ pub enum Copies {
 
 /// Units of point, spot and directional lights in a glTF file, beside the radiance of its emissive materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LightUnits {
     /// Candela and lux for Blender's watts, at 683 lm/W: radiance in W/(sr m²), as Blender's own is.
     Blender,

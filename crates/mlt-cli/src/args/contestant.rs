@@ -4,8 +4,7 @@ use std::{ffi::OsString, fmt, path::Path, str::FromStr};
 
 use clap::{Arg, Args, Command, FromArgMatches};
 
-use super::{render::RenderOptions, scene::SceneOptions};
-use crate::usage::sentence;
+use super::{render::RenderOptions, scene::SceneOptions, usage::sentence};
 
 /// Options that all runs of a study share beside [`SceneOptions`], and that a method can therefore not have for itself.
 const SHARED: [&str; 26] = [

@@ -96,13 +96,7 @@ impl FromStr for Source {
 
 impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.0 {
-            EnvironmentSource::AsNeeded => Ok(()),
-            EnvironmentSource::None => f.write_str("none"),
-            EnvironmentSource::Sky => f.write_str("sky"),
-            EnvironmentSource::Constant(Rgb { x, y, z }) => write!(f, "{x},{y},{z}"),
-            EnvironmentSource::Image(path) => write!(f, "{}", path.display()),
-        }
+        self.0.fmt(f)
     }
 }
 

@@ -24,6 +24,7 @@ mod settings;
 pub mod show;
 pub mod tools;
 pub mod transport;
+pub(crate) mod usage;
 pub mod values;
 pub mod verify;
 pub mod view;

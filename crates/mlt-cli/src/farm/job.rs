@@ -15,11 +15,11 @@ use crate::{
         farm::{JobOptions, PartedOptions},
         kept::Shard,
         render::RenderOptions,
+        usage::sentence,
         written::shell_word,
     },
     output::{self, OutputFile},
     render::Plan,
-    usage,
 };
 
 /// The tasks of a job, each by itself.
@@ -126,7 +126,7 @@ pub(super) fn options_of(part: Option<Shard>, options: &PartedOptions) -> Result
     match Cli::try_parse_from(words).map(|cli| cli.command) {
         Ok(Command::Render(options)) => Ok(*options),
         Ok(_) => refused("the options of 'mlt render' are not understood"),
-        Err(error) if error.use_stderr() => refused(&usage::sentence(&error)),
+        Err(error) if error.use_stderr() => refused(&sentence(&error)),
         Err(_) => refused("help and version are not options of a farm's render"),
     }
 }

@@ -263,19 +263,15 @@ impl Estimate {
 
     /// Largest difference of a mean in standard errors, and which mean it is.
     fn distance(&self, other: &Self) -> (f64, usize) {
-        let distance = |(mean, (a, b)): (usize, (&(f64, f64), &(f64, f64)))| {
-            let rounding =
-                ROUNDING * [self, other].map(|estimate| estimate.0[mean % 3].0.abs()).into_iter().fold(0.0, f64::max);
+        let distance = |mean: usize| {
+            let (a, b) = (self.0[mean], other.0[mean]);
+            let whole = self.0[mean % 3].0.abs().max(other.0[mean % 3].0.abs());
+            let rounding = ROUNDING * whole;
             match (a.0 - b.0).abs() {
                 difference if difference <= rounding => 0.0,
                 difference => difference / (a.1 * a.1 + b.1 * b.1 + rounding * rounding).sqrt(),
             }
         };
-        let distances = self.0.iter().zip(&other.0).enumerate().map(distance);
-        distances
-            .enumerate()
-            .map(|(mean, distance)| (distance, mean))
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .expect("means")
+        (0..MEANS).map(|mean| (distance(mean), mean)).max_by(|a, b| a.0.total_cmp(&b.0)).expect("means")
     }
 }

@@ -63,9 +63,9 @@ impl Room {
         }
         self.pose.position *= scale;
         match &mut self.pose.lens {
-            Lens::Pinhole { .. } => {}
             Lens::Thin { radius, focus, .. } => (*radius, *focus) = (*radius * scale, *focus * scale),
             Lens::Orthographic { height } => *height *= scale,
+            _ => {}
         }
         self
     }

@@ -1,12 +1,7 @@
 //! Sums of rounds: all that has to outlive a process.
 
 use super::bytes::{put_list, put_text};
-use super::{Counted, DecodeError, Film, MergeError, Reader, Rounds, sealed, unsealed};
-
-/// First bytes of the format.
-const MAGIC: [u8; 8] = *b"mlt-sums";
-/// Version of the format.
-const VERSION: u32 = 2;
+use super::{Counted, DecodeError, Film, MergeError, Reader, Rounds};
 
 /// Names and values of what decides the bits of a round: scene, method, seed and so on. Only what has the same key adds up.
 pub type Key = Vec<(String, String)>;
@@ -83,30 +78,26 @@ impl<const C: usize, T: Counted> Accumulated<C, T> {
         Ok(())
     }
 
-    /// All of it but the round that is being made: the same bytes for the same rounds.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        sealed(MAGIC, VERSION, |bytes| {
-            bytes.extend((C as u32).to_le_bytes());
-            put_key(bytes, &self.key);
-            self.film.write(bytes);
-            self.tally.write(bytes);
-        })
+    /// Appends all of it but the round that is being made to bytes: the same for the same rounds.
+    pub fn write(&self, to: &mut Vec<u8>) {
+        to.extend((C as u32).to_le_bytes());
+        put_key(to, &self.key);
+        self.film.write(to);
+        self.tally.write(to);
     }
 
-    /// Reads what [`to_bytes`](Self::to_bytes) has made, from wherever it comes: no bytes make it panic, or take much more memory
+    /// Reads what [`write`](Self::write) has written, from wherever it comes: no bytes make it panic, or take much more memory
     /// than they have themselves.
     ///
     /// # Errors
     ///
-    /// If they are of something else, of another version, or damaged.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, DecodeError> {
-        unsealed(bytes, MAGIC, VERSION, |from| {
-            let channels = from.bytes().map(u32::from_le_bytes)?;
-            if channels != C as u32 {
-                return Err(DecodeError::Channels(channels));
-            }
-            Ok(Self { key: read_key(from)?, film: Film::read(from)?, tally: T::read(from)? })
-        })
+    /// If the bytes were not written by it.
+    pub fn read(from: &mut Reader) -> Result<Self, DecodeError> {
+        let channels = from.bytes().map(u32::from_le_bytes)?;
+        if channels != C as u32 {
+            return Err(DecodeError::Channels(channels));
+        }
+        Ok(Self { key: read_key(from)?, film: Film::read(from)?, tally: T::read(from)? })
     }
 }
 
@@ -134,7 +125,7 @@ pub fn read_key(from: &mut Reader) -> Result<Key, DecodeError> {
     from.list(|from| Ok((from.text()?, from.text()?)))
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "checkpoints"))]
 mod tests {
     use super::*;
     use crate::engine::sealed::checksum;

@@ -40,7 +40,8 @@ impl fmt::Display for DecodeError {
 pub struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    /// For these bytes.
+    pub fn new(bytes: &'a [u8]) -> Self {
         Self(bytes)
     }
 
@@ -111,7 +112,8 @@ impl<'a> Reader<'a> {
         if bytes <= self.0.len() as u64 { Ok(()) } else { Err(DecodeError::Damaged) }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    /// Whether all have been read.
+    pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 }

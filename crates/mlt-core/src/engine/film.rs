@@ -214,8 +214,8 @@ impl<const C: usize> Film<C> {
 
     /// Reads what [`write`](Self::write) has written.
     pub(super) fn read(from: &mut Reader) -> Result<Self, DecodeError> {
-        let mut side = || u32::try_from(from.number()?).map_err(|_| DecodeError::Damaged);
-        let size = [side()?, side()?];
+        let number = |from: &mut Reader| u32::try_from(from.number()?).map_err(|_| DecodeError::Damaged);
+        let size = [number(from)?, number(from)?];
         let sites = size[0].checked_mul(size[1]).ok_or(DecodeError::Damaged)?;
         let [unit, weight, lost] = [from.number()?, from.number()?, from.number()?];
         from.expect(u64::from(sites) * C as u64 * 2)?;
@@ -223,7 +223,7 @@ impl<const C: usize> Film<C> {
         if film.unit.to_bits() != unit {
             return Err(DecodeError::Damaged);
         }
-        film.lost = Lost { count: lost, sites: from.list(|from| from.number().map(|site| site as u32))? };
+        film.lost = Lost { count: lost, sites: from.list(number)? };
         (film.weight, film.rounds) = (weight, Rounds::read(from)?);
         film.sums = bands(sites, film.shift).map(|sites| Band::read(sites, from)).collect::<Result<_, _>>()?;
         (film.whole, film.blocks) = (Products::read(from)?, Blocks::read(size, from)?);

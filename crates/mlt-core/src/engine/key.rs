@@ -7,6 +7,7 @@ pub type Generator = Pcg64Dxsm;
 
 /// Purpose of a stream of random numbers; streams of different purposes are independent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Purpose {
     /// An independent sample of a stratum.
     Sample = 1,

@@ -36,6 +36,7 @@ mod pilot;
 mod pixel;
 mod rarity;
 mod rounds;
+#[cfg(feature = "checkpoints")]
 mod sealed;
 mod share;
 mod stats;
@@ -68,6 +69,7 @@ pub use pilot::{Measure, PILOT, Piloted, events};
 pub use pixel::Pixel;
 pub use rarity::Rarity;
 pub use rounds::Rounds;
+#[cfg(feature = "checkpoints")]
 pub use sealed::{sealed, unsealed};
 pub use share::{SetupError, Share, with_shares};
 pub use stats::{MutationStats, StratumStats};

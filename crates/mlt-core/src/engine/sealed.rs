@@ -3,7 +3,12 @@
 //! magic (8 bytes), version (4), content, BLAKE3 of all before (32). The checksum tells damage; it is no protection against intent: whoever
 //! changes bytes can make another.
 
-use super::{DecodeError, Reader};
+use super::{Accumulated, Counted, DecodeError, Reader};
+
+/// First bytes of sums.
+const SUMS: [u8; 8] = *b"mlt-sums";
+/// Version of their format.
+const VERSION: u32 = 2;
 
 /// Seals a content.
 pub fn sealed(magic: [u8; 8], version: u32, content: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
@@ -39,6 +44,22 @@ pub fn unsealed<T>(
     let mut from = Reader::new(inside);
     let content = content(&mut from)?;
     if from.is_empty() { Ok(content) } else { Err(DecodeError::Damaged) }
+}
+
+impl<const C: usize, T: Counted> Accumulated<C, T> {
+    /// [`write`](Self::write)s it, sealed.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        sealed(SUMS, VERSION, |to| self.write(to))
+    }
+
+    /// Reads what [`to_bytes`](Self::to_bytes) has made.
+    ///
+    /// # Errors
+    ///
+    /// If the bytes are of something else, of another version, or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, DecodeError> {
+        unsealed(bytes, SUMS, VERSION, Self::read)
+    }
 }
 
 /// Tells bytes that were changed; on the current rayon pool.

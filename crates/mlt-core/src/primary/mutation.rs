@@ -31,6 +31,7 @@ impl SmallStep {
 
 /// One of the mutations, chosen without a virtual call.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum PrimaryMutation {
     /// All numbers afresh.
     Large(LargeStep),

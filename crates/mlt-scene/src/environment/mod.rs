@@ -6,10 +6,11 @@ use crate::{Loaded, SceneError};
 use mlt_core::memory::Memory;
 use mlt_core::transport::Rgb;
 use mlt_core::transport::scene::Environment;
-use std::path::PathBuf;
+use std::{fmt, path::PathBuf};
 
 /// Where light from all around comes from.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum EnvironmentSource {
     /// That of the file; a neutral sky where nothing in the file gives light.
     #[default]
@@ -22,6 +23,19 @@ pub enum EnvironmentSource {
     Constant(Rgb),
     /// An equirectangular image, Radiance HDR or OpenEXR, its top being the scene's.
     Image(PathBuf),
+}
+
+/// As it is asked for; empty if it is not.
+impl fmt::Display for EnvironmentSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::AsNeeded => Ok(()),
+            Self::None => f.write_str("none"),
+            Self::Sky => f.write_str("sky"),
+            Self::Constant(Rgb { x, y, z }) => write!(f, "{x},{y},{z}"),
+            Self::Image(path) => write!(f, "{}", path.display()),
+        }
+    }
 }
 
 /// Light from all around a scene.

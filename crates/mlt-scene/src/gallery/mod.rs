@@ -101,8 +101,8 @@ pub const SCENES: &[Scene] = &[
         folder: Some("scenes/caustic"),
         files: || {
             vec![
-                ("caustic.gltf", include_bytes!("../../../../scenes/caustic/caustic.gltf").to_vec()),
-                ("caustic.bin", include_bytes!("../../../../scenes/caustic/caustic.bin").to_vec()),
+                ("caustic.gltf", include_bytes!("../../scenes/caustic/caustic.gltf").to_vec()),
+                ("caustic.bin", include_bytes!("../../scenes/caustic/caustic.bin").to_vec()),
             ]
         },
     },

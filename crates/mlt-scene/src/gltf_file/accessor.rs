@@ -13,6 +13,9 @@ use std::{collections::HashMap, rc::Rc};
 /// The most elements of an accessor that has no bytes for them: zeros, but for the sparse ones.
 const MAX_IMPLICIT: usize = 1 << 20;
 
+/// The most elements of any accessor: meshes number their vertices with 32 bits.
+const MAX_ELEMENTS: usize = u32::MAX as usize;
+
 /// Reads accessors.
 pub(super) struct Reader<'a> {
     pub source: &'a Source<'a>,
@@ -135,6 +138,9 @@ impl<'a> Reader<'a> {
 
     fn elements(&self, accessor: &Accessor) -> Result<Elements<'a>, SceneError> {
         let (size, count) = (accessor.size(), accessor.count());
+        if count > MAX_ELEMENTS {
+            return Err(self.source.too_large(place(accessor), "elements", MAX_ELEMENTS));
+        }
         let dense = match accessor.view() {
             Some(view) => {
                 let layout = Layout { offset: accessor.offset(), size, count };

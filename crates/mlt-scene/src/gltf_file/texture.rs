@@ -165,7 +165,7 @@ impl Slot {
         let info = material.extension_value(extension)?.get(name)?;
         let index = |key: &str| info.get(key).and_then(Value::as_u64);
         let transform = info.get("extensions").and_then(|extensions| extensions.get(TRANSFORM));
-        let set = index("texCoord").unwrap_or(0) as u32;
+        let set = index("texCoord").map_or(0, set_of);
         Some(Self::new(index("index")? as usize, set, transform.unwrap_or(&Value::Null)))
     }
 
@@ -177,9 +177,14 @@ impl Slot {
             Vec2::new(value(0), value(1))
         };
         let rotation = transform.get("rotation").and_then(number).unwrap_or(0.0);
-        let set = transform.get("texCoord").and_then(Value::as_u64).map_or(set, |set| set as u32);
+        let set = transform.get("texCoord").and_then(Value::as_u64).map_or(set, set_of);
         Self { texture, set, transform: placement(pair("offset", 0.0), rotation, pair("scale", 1.0)) }
     }
+}
+
+/// The set of coordinates of this number; no mesh has the one of the largest.
+fn set_of(number: u64) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
 }
 
 /// Scales, then turns counter-clockwise as an image is seen, then moves.

@@ -14,8 +14,8 @@ use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory, Parser, error::ErrorKind, parser::ValueSource};
 use mlt_scene::meant;
 
-use super::{Cli, heading};
-use crate::{Failure, usage::sentence};
+use super::{Cli, heading, usage::sentence};
+use crate::Failure;
 
 /// The name in a file of what has none on the command line.
 const SCENE: &str = "file";

@@ -45,6 +45,7 @@ use wide::WideTree;
 
 /// How long to build for; a better tree makes every ray faster.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Quality {
     /// For previews: the quickest build, rays 20–80 % slower than `Medium`.
     Fast,

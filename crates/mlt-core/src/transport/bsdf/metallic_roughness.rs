@@ -53,6 +53,7 @@ pub struct Anisotropy {
 
 /// α along the streaks and across them, from α and the strength s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Stretch {
     /// α + (1 − α) s² and α, as KHR_materials_anisotropy says.
     #[default]

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3A};
 
 /// A part of a surface's scattering that is not delta.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum Lobe {
     /// Ideal diffuse reflection.
     Lambert(Lambert),

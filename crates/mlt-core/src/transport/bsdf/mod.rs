@@ -91,6 +91,7 @@ fn choose(u: f32, p: f32) -> (bool, f32) {
 
 /// One surface's scattering function.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum Bsdf {
     /// Reflects nothing.
     Black,

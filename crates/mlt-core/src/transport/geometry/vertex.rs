@@ -11,6 +11,7 @@ pub(crate) const LIGHT: u32 = 1 << 31;
 /// Meaning of a vertex's `position`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
+#[non_exhaustive]
 pub enum Place {
     /// A point of a surface or of the lens.
     Surface,

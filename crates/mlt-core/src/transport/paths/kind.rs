@@ -170,6 +170,7 @@ pub struct PathEnd<'a> {
 
 /// How x_0 was found.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum LightEnd<'a> {
     /// Drawn on the lights.
     Drawn(&'a LightPoint),

@@ -1,6 +1,7 @@
 //! The description of a camera.
 
 use glam::{DVec3, Vec3};
+use std::fmt;
 
 /// Where the camera stands and what it takes in; the image's aspect ratio comes with its size.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +22,7 @@ pub struct CameraPose {
 
 /// How a camera sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Lens {
     /// Through a point: everything is sharp.
     Pinhole {
@@ -49,6 +51,21 @@ impl Lens {
         match *self {
             Self::Pinhole { vertical_fov } | Self::Thin { vertical_fov, .. } => Some(vertical_fov),
             Self::Orthographic { .. } => None,
+        }
+    }
+}
+
+/// In words, for a report.
+impl fmt::Display for Lens {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let degrees = |radians: f32| format!("{:.1} degrees high", radians.to_degrees());
+        match *self {
+            Self::Pinhole { vertical_fov } => write!(f, "pinhole, {}", degrees(vertical_fov)),
+            Self::Thin { vertical_fov, radius, focus } => {
+                let diameter = 2.0 * radius;
+                write!(f, "lens of diameter {diameter:.4} in focus at {focus:.4}, {}", degrees(vertical_fov))
+            }
+            Self::Orthographic { height } => write!(f, "orthographic, {height:.4} high"),
         }
     }
 }

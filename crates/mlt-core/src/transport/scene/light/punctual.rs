@@ -25,6 +25,7 @@ pub struct PunctualLight {
 
 /// How a light without a surface emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Punctual {
     /// The same in all directions.
     Point {

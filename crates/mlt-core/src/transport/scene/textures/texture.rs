@@ -51,6 +51,7 @@ impl Pixels {
 
 /// How an image goes on beyond its edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Wrap {
     /// The image again.
     #[default]
@@ -80,6 +81,7 @@ impl Wrap {
 
 /// Between pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Filter {
     /// The nearest one.
     Nearest,
@@ -90,6 +92,7 @@ pub enum Filter {
 
 /// Meaning of the numbers of an image; alpha is linear always.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Encoding {
     /// Proportional to the value.
     Linear,

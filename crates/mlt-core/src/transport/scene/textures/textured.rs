@@ -37,6 +37,7 @@ pub struct NormalMap {
 
 /// How the opacity that textures and vertices give is meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Alpha {
     /// Not at all: the surface is there.
     #[default]

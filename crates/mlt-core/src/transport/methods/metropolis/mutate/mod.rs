@@ -28,6 +28,7 @@ pub use pivot::PivotPerturbation;
 
 /// One of the mutations, chosen without a virtual call.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum PathMutation<'a> {
     /// Deletes a subpath and traces a new one.
     Bidirectional(BidirectionalMutation<'a>),

@@ -8,7 +8,8 @@ use clap::{
 };
 use mlt_scene::meant;
 
-use crate::{Failure, args::render::RenderOptions, terminal};
+use super::render::RenderOptions;
+use crate::{Failure, terminal};
 
 /// Prints what clap shows on request (help, version); what it objects to becomes one sentence.
 pub(crate) fn answer(error: &Error) -> Result<(), Failure> {

@@ -1,0 +1,5 @@
+//! The engine as a user holds it.
+
+#[cfg(feature = "transport")]
+mod allocation;
+mod toy;
