@@ -2,6 +2,7 @@
 //!
 //!     cargo run --release -p mlt-core --example random_scenes -- FIRST COUNT
 //!     cargo run --release -p mlt-core --example random_scenes -- ROOM         # describes one, and shows what each method sees
+//!     cargo run --release -p mlt-core --example random_scenes -- seeds FIRST COUNT   # the default method's errors over seeds
 //!
 //! Rooms have numbers, which decide all of them. Images of 8×8 pixels are compared by the means of the whole and of its quarters, channel
 //! by channel. Where two methods differ by more than 4 standard errors both are rendered anew with eight times the samples, and so on up to
@@ -14,6 +15,7 @@
 mod contest;
 mod dice;
 mod rooms;
+mod seeds;
 mod shapes;
 mod surfaces;
 
@@ -27,12 +29,14 @@ const PROGRESS: u64 = 1000;
 
 fn main() -> ExitCode {
     let numbers: Vec<u64> = env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
+    let seeds = env::args().nth(1).is_some_and(|word| word == "seeds");
     match numbers[..] {
+        [first, count] if seeds => seeds::study(first..first + count),
         [room] => Contest::new().show(room, SHOWN),
         [first, count] if study(first..first + count) > 0 => return ExitCode::FAILURE,
         [_, _] => {}
         _ => {
-            eprintln!("usage: random_scenes FIRST COUNT, or random_scenes ROOM");
+            eprintln!("usage: random_scenes FIRST COUNT, random_scenes ROOM, or random_scenes seeds FIRST COUNT");
             return ExitCode::from(2);
         }
     }

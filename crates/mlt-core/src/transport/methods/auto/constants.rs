@@ -59,8 +59,11 @@ pub(super) const LEAST_CHAINS: f64 = 0.2;
 pub(super) const WORK: [f64; 2] = [0.75, 1.25];
 /// Error × work of both together over that of path tracing alone, at most: it is chosen by noisy figures. Section 3.
 pub(super) const GAIN: f64 = 0.85;
-/// The same where most of path tracing's error is what chains tell: their absence may cost far more than their presence. Section 3.
+/// The same where most of path tracing's error is what chains tell and samples hardly meet: their absence may cost far more than their
+/// presence. Section 3.
 pub(super) const DOUBT: f64 = 3.0;
+/// Times that samples of a round have to meet that, so that nothing is in doubt; measured on random rooms, section 3.
+pub(super) const FEW: f64 = 3.0;
 /// Share of the light, lamps in view left out, from which on chains may take all of it; section 3.
 pub(super) const MOSTLY_HARD: f64 = 0.5;
 /// Numbers of branches that are tried; section 3.

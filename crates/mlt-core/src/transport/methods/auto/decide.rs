@@ -1,6 +1,6 @@
 //! From errors and costs to numbers of samples and the work of chains.
 
-use super::constants::{DOUBT, GAIN, LEAST_CHAINS, WORK};
+use super::constants::{DOUBT, FEW, GAIN, LEAST_CHAINS, WORK};
 
 /// Path tracing in one of the ways in which it may take its share.
 #[derive(Clone, Copy, Debug)]
@@ -74,10 +74,11 @@ pub(super) fn decide(candidates: &[Candidate], usual: f64) -> [Decision; 2] {
     [alone, best(&mut { mixed }).unwrap_or(alone)]
 }
 
-/// The better of both. Where most of what path tracing leaves alone is what chains tell, in doubt both together.
-pub(super) fn better([alone, mixed]: [Decision; 2]) -> Decision {
+/// The better of both. Where most of what path tracing leaves alone is what chains tell, and its samples have `met` that but a few times a
+/// round, in doubt both together.
+pub(super) fn better([alone, mixed]: [Decision; 2], met: f64) -> Decision {
     let Candidate { errors, tail, .. } = alone.candidate;
-    let factor = if tail > errors.iter().sum() { DOUBT } else { GAIN };
+    let factor = if tail > errors.iter().sum() && met < FEW { DOUBT } else { GAIN };
     if mixed.product < factor * alone.product { mixed } else { alone }
 }
 
@@ -124,9 +125,12 @@ mod tests {
 
     #[test]
     fn what_is_in_doubt_is_for_both() {
-        let chosen = |error, tail, chains| better(decide(&[candidate(error, tail, chains)], 64.0)).chain_work > 0.0;
-        assert!(chosen(1.0, 0.9, 0.1) && !chosen(1.0, 0.9, 5.0));
-        assert!(chosen(1.0, 20.0, 60.0) && !chosen(1.0, 20.0, 1000.0));
+        let chosen =
+            |error, tail, chains, met| better(decide(&[candidate(error, tail, chains)], 64.0), met).chain_work > 0.0;
+        assert!(chosen(1.0, 0.9, 0.1, 1.0) && !chosen(1.0, 0.9, 5.0, 1.0));
+        assert!(chosen(1.0, 20.0, 60.0, 1.0) && !chosen(1.0, 20.0, 1000.0, 1.0));
+        // What samples meet often is no matter of doubt.
+        assert!(chosen(1.0, 20.0, 1.0, 100.0) && !chosen(1.0, 20.0, 60.0, 100.0));
     }
 
     #[test]

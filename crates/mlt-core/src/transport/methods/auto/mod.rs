@@ -88,7 +88,7 @@ impl Pilot<'_> {
         let (findings, spent) = self.findings(view, &strata, &split)?;
 
         let [alone, mixed] = decide(&self.candidates(view, &findings), self.per_pixel);
-        let chosen = if findings.hard > 0.0 { better([alone, mixed]) } else { alone };
+        let chosen = if findings.hard > 0.0 { better([alone, mixed], self.met(&findings.told)) } else { alone };
         let Decision { candidate: Candidate { branches, max_edges, work, .. }, samples, chain_work, .. } = chosen;
         let summary = Summary {
             branches,
@@ -125,6 +125,12 @@ impl Pilot<'_> {
         let (errors, work) = (measured.errors(weights), measured.work);
         let hard = if hard > 0.0 { hard / (hard + easy) } else { 0.0 };
         Some((Findings { errors, work, measures, told, hard }, sampled + spent + sought))
+    }
+
+    /// How often samples of a round meet what makes most of T, N T²/Q.
+    fn met(&self, told: &Told) -> f64 {
+        let samples = self.per_pixel.max(1.0) * f64::from(self.view.camera.pixels());
+        samples * told.tail * told.tail / told.squares.max(f64::MIN_POSITIVE)
     }
 
     /// For the step of this number.

@@ -20,6 +20,8 @@ pub(super) struct Told {
     ///
     /// with w the weight of the pixel's squared error. Such values may come once in more samples than a pilot takes; chains go there on purpose.
     pub(super) tail: f64,
+    /// Q = ∫ w² f u³ (1 − (1 − W)²), of the whole image: T is known as well as it would be from N T²/Q equal events, if N samples met them.
+    pub(super) squares: f64,
     /// R_j = b_j E[ I W/p_j Σ_pixels w K² ], by strata: what chains leave of error by where they start. K is the sum of f/I over a
     /// chain's visits of a pixel, over the number of all its visits; p_j the density of the samples that it may start from.
     ///
@@ -37,13 +39,12 @@ pub(super) struct Tail<'a> {
 
 /// T and R of a stratum, from those of its chains. R/T is that of all chains but the one with the largest T: where one of them is stuck
 /// and no other has been, it says nothing about the rest.
-fn of_stratum(found: &[[f64; 2]]) -> (f64, f64) {
-    let add = |[a, b]: [f64; 2], found: &[f64; 2]| [a + found[0], b + found[1]];
+fn of_stratum(found: &[[f64; 3]]) -> [f64; 3] {
     let largest = found.iter().copied().max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or_default();
-    let [tail, starts] = found.iter().fold([0.0; 2], add);
+    let [tail, starts, squares] = [0, 1, 2].map(|i| found.iter().map(|of_chain| of_chain[i]).sum::<f64>());
     let others = [tail - largest[0], starts - largest[1]];
     let ratio = if others[0] > 0.0 { others[1] / others[0] } else { starts / tail.max(f64::MIN_POSITIVE) };
-    [tail, tail * ratio].map(|sum| sum / found.len() as f64).into()
+    [tail, tail * ratio, squares].map(|sum| sum / found.len() as f64)
 }
 
 /// A sink that forgets.
@@ -68,16 +69,17 @@ impl Tail<'_> {
                 (self.of_chain(stratum, i, mutations), rays_traced() - before)
             })
         };
-        let (found, rays): (Vec<[f64; 2]>, Vec<u64>) =
+        let (found, rays): (Vec<[f64; 3]>, Vec<u64>) =
             chains.par_iter().map(of_chain).collect::<Option<Vec<_>>>()?.into_iter().unzip();
         let spent = PilotCounts { mutations: chains.len() as u64 * mutations, rays: rays.iter().sum() };
-        let told = found.chunks(TOLD_CHAINS as usize).map(of_stratum);
-        let (tails, starts): (Vec<f64>, Vec<f64>) = told.unzip();
-        Some((Told { tail: tails.iter().sum(), starts }, spent))
+        let told: Vec<_> = found.chunks(TOLD_CHAINS as usize).map(of_stratum).collect();
+        let sum = |i: usize| told.iter().map(|of_stratum| of_stratum[i]).sum();
+        let starts = told.iter().map(|&[_, starts, _]| starts).collect();
+        Some((Told { tail: sum(0), squares: sum(2), starts }, spent))
     }
 
-    /// T and R from one chain, which starts at one of some independent samples, drawn in proportion to its importance weight.
-    fn of_chain(&self, stratum: &LightStratum, index: u64, mutations: u64) -> [f64; 2] {
+    /// T, R and Q from one chain, which starts at one of some independent samples, drawn in proportion to its importance weight.
+    fn of_chain(&self, stratum: &LightStratum, index: u64, mutations: u64) -> [f64; 3] {
         let stream = |purpose| generator(self.seed, purpose, CHAIN_PILOT - 1, index, 0);
         let [mut rng, mut pick, mut steps] = [Purpose::Sample, Purpose::Start, Purpose::Chain].map(stream);
         let (samples, mut total, mut start) = (mutations.div_ceil(MUTATIONS_PER_SAMPLE), 0.0, LightPath::default());
@@ -94,21 +96,22 @@ impl Tail<'_> {
         }
         let mixture = Mixture::new(PathMutation::all(self.taken.view));
         let chain = (total > 0.0).then(|| Chain::new(&mixture, &self.taken, stratum, start)).flatten();
-        let (Some(mut chain), b) = (chain, total / samples as f64) else { return [0.0; 2] };
+        let (Some(mut chain), b) = (chain, total / samples as f64) else { return [0.0; 3] };
         let pieces = (0..mutations).step_by(CHAIN_LENGTH as usize);
         let found =
             pieces.map(|made| self.of_piece(&mut chain, stratum, CHAIN_LENGTH.min(mutations - made), &mut steps));
-        let [tail, starts] = found.fold([0.0; 2], |sums, found| [0, 1].map(|i| sums[i] + found[i]));
-        [tail, starts].map(|sum| b * sum / mutations as f64)
+        let sums = found.fold([0.0; 3], |sums, found| [0, 1, 2].map(|i| sums[i] + found[i]));
+        sums.map(|sum| b * sum / mutations as f64)
     }
 
     /// Sums over the visits of a piece of a chain, which is as long as the chains of a render.
-    fn of_piece(&self, chain: &mut PathChain, stratum: &LightStratum, length: u64, rng: &mut Generator) -> [f64; 2] {
-        let (mut tail, mut weights, mut visits) = (0.0, 0.0, Vec::new());
+    fn of_piece(&self, chain: &mut PathChain, stratum: &LightStratum, length: u64, rng: &mut Generator) -> [f64; 3] {
+        let (mut tail, mut squares, mut weights, mut visits) = (0.0, 0.0, 0.0, Vec::new());
         for _ in 0..length {
             chain.step(&mut Nothing, 0.0, rng);
             let path = chain.current();
-            tail += self.of_path(path);
+            let [of_tail, of_squares] = self.of_path(path);
+            (tail, squares) = (tail + of_tail, squares + of_squares);
             weights += self.taken.eval(path) / stratum.density(path);
             visits.push((path.pixel, path.contribution().element_sum() / self.taken.importance.eval(path)));
         }
@@ -116,15 +119,17 @@ impl Tail<'_> {
         let square = |at: &[(u32, f64)]| {
             self.weights[at[0].0 as usize] * (at.iter().map(|(_, value)| value).sum::<f64>() / length as f64).powi(2)
         };
-        [tail, weights * visits.chunk_by(|a, b| a.0 == b.0).map(square).sum::<f64>()]
+        [tail, weights * visits.chunk_by(|a, b| a.0 == b.0).map(square).sum::<f64>(), squares]
     }
 
-    /// w u (2 − W) f/I, u and f as sums over channels.
-    fn of_path(&self, path: &LightPath) -> f64 {
+    /// w u (2 − W) f/I, u and f as sums over channels; the same times w u².
+    fn of_path(&self, path: &LightPath) -> [f64; 2] {
         let Taken { importance, view, lights, split } = self.taken;
         let (value, colour) = (split.value(path, &view, lights), path.contribution().element_sum());
         let weight = self.weights[path.pixel as usize] * (2.0 - split.share(value, path.pixel));
-        weight * value * colour * colour / (Luminance.eval(path) * importance.eval(path))
+        let colours = colour / Luminance.eval(path);
+        let tail = weight * value * colours * colour / importance.eval(path);
+        [tail, tail * self.weights[path.pixel as usize] * (colours * value).powi(2)]
     }
 }
 
@@ -170,28 +175,32 @@ mod tests {
                 })
                 .collect();
             let integrals = |i: u64| {
-                let mut sums = [0.0; 3];
+                let mut sums = [0.0; 4];
                 for (j, stratum) in (0..).zip(&strata) {
                     stratum.sample(&mut generator(9, Purpose::Sample, 0, j, i), &mut |path, weight| {
                         let (value, eval) = (split.value(path, &view, &lights), taken.eval(path));
-                        let of_pixel =
-                            2.0 * weight * (path.contribution().element_sum() / Luminance.eval(path)).powi(2);
+                        let colours = path.contribution().element_sum() / Luminance.eval(path);
+                        let of_pixel = 2.0 * weight * colours.powi(2);
                         if eval > 0.0 {
                             let share = eval / importance.eval(path);
                             let all = of_pixel * value * importance.eval(path);
                             sums[0] += all * share * (2.0 - share);
                             sums[1] += if j == 0 { of_pixel * eval * eval / stratum.density(path) } else { 0.0 };
                             sums[2] += all * share;
+                            sums[3] += all * share * (2.0 - share) * 2.0 * (colours * value).powi(2);
                         }
                     });
                 }
                 sums
             };
-            let found: Vec<[f64; 3]> = (0..100_000).map(integrals).collect();
-            let [tail, starts, first] = [0, 1, 2].map(|i| moments(&found.iter().map(|f| f[i]).collect::<Vec<_>>()));
+            let found: Vec<[f64; 4]> = (0..100_000).map(integrals).collect();
+            let [tail, starts, first, squares] =
+                [0, 1, 2, 3].map(|i| moments(&found.iter().map(|f| f[i]).collect::<Vec<_>>()));
             let of_chains = moments(&told.iter().map(|told| told.tail).collect::<Vec<_>>());
             assert!(z(of_chains, tail).abs() < 4.0, "{of_chains:?} {tail:?}");
             control = control.max(z(of_chains, first).abs());
+            let of_chains = moments(&told.iter().map(|told| told.squares).collect::<Vec<_>>());
+            assert!(z(of_chains, squares).abs() < 4.0, "{of_chains:?} {squares:?}");
             let of_chains = moments(&told.iter().map(|told| told.starts[0]).collect::<Vec<_>>());
             assert!((of_chains[0] / starts[0] - 1.0).abs() < 0.25, "{of_chains:?} {starts:?}");
         }
@@ -201,11 +210,11 @@ mod tests {
 
     #[test]
     fn one_chain_that_is_stuck_says_nothing_of_the_others() {
-        let stuck = [[[1.0, 0.01]; 15].as_slice(), &[[1e6, 1e6]]].concat();
-        let (tail, starts) = of_stratum(&stuck);
+        let stuck = [[[1.0, 0.01, 0.0]; 15].as_slice(), &[[1e6, 1e6, 0.0]]].concat();
+        let [tail, starts, _] = of_stratum(&stuck);
         assert!((starts / tail - 0.01).abs() < 1e-9 && (tail / 62_500.9 - 1.0).abs() < 1e-4, "{tail} {starts}");
-        let all = of_stratum(&[[1.0, 0.5]; 16]);
-        assert!((all.0 - 1.0).abs() < 1e-12 && (all.1 - 0.5).abs() < 1e-12);
-        assert_eq!(of_stratum(&[[0.0; 2]; 16]), (0.0, 0.0));
+        let all = of_stratum(&[[1.0, 0.5, 2.0]; 16]);
+        assert!(all.iter().zip([1.0, 0.5, 2.0]).all(|(found, right)| (found - right).abs() < 1e-12));
+        assert_eq!(of_stratum(&[[0.0; 3]; 16]), [0.0; 3]);
     }
 }
