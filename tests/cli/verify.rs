@@ -75,6 +75,8 @@ fn the_gallery_goes_on_where_it_stopped() {
     let page = fs::read_to_string(folder.join("stability.md")).expect("written");
     assert!(page.contains("| camera-sees-nothing | the camera is turned away | passes | passes |"), "{page}");
     assert!(page.contains("| no-light | no light | passes | passes |"), "{page}");
+    let command = "mlt verify --gallery -o FOLDER camera-sees-nothing no-light --methods mlt,pt --replicas 4 --size 4x4 --per-pixel 1";
+    assert!(page.contains(&format!("\n\n    {command}\n\n")), "{page}");
 
     let kept = folder.join("verdicts/camera-sees-nothing-mlt.json");
     let before = fs::read_to_string(&kept).expect("kept");
