@@ -29,7 +29,9 @@ pub struct EnvironmentOptions {
     #[arg(long, value_name = "FACTOR", value_parser = factor, help_heading = heading::SCENE)]
     #[arg(hide_short_help = true)]
     pub environment_strength: Option<f64>,
-    /// Whether the camera sees the environment where no surface is. It lights the scene in either case
+    /// Whether the camera sees the environment behind all surfaces
+    ///
+    /// The environment lights the scene in either case.
     #[arg(long, value_enum, help_heading = heading::SCENE)]
     #[arg(hide_short_help = true)]
     pub background: Option<Background>,
@@ -48,9 +50,9 @@ fn factor(text: &str) -> Result<f64, String> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Background {
-    /// The environment.
+    /// The camera sees the environment
     Visible,
-    /// Nothing.
+    /// The camera sees black
     Black,
 }
 

@@ -83,7 +83,9 @@ pub struct SceneOptions {
     /// Time in a glTF file's animations, in seconds; without it the file is shown as it stands at rest
     #[arg(long, value_name = "SECONDS", value_parser = moment, help_heading = heading::FILES, hide_short_help = true)]
     pub time_in_animation: Option<f64>,
-    /// Units of point, spot and directional lights in a glTF file; those of the program that wrote it, photometric ones if that is not Blender
+    /// Units of point, spot and directional lights in a glTF file
+    ///
+    /// If not given, they are those of the program that wrote the file. A file that Blender did not write has photometric ones.
     #[arg(long, value_enum, value_name = "UNITS", help_heading = heading::FILES, hide_short_help = true)]
     pub light_units: Option<LightUnits>,
 }

@@ -2,12 +2,14 @@
 
 use std::{num::NonZeroUsize, path::PathBuf};
 
-use clap::Args;
+use anyhow::Context;
+use clap::{Args, Command, FromArgMatches};
 
 use super::{
     contestant::Contestant,
     scene::SceneOptions,
     values::{Size, per_pixel, relative_error, threads},
+    written::{shell_word, written},
 };
 
 /// Options of `mlt verify`.
@@ -25,7 +27,7 @@ method that shares little code with it. Reported are:
 With --choice instead: whether auto keeps to its budget and its plan, and is never much worse than the best of pt, bdpt and mlt with as \
 many rays.
 
-Exit codes: 0 every method can be trusted here, 1 one cannot or cannot be judged, 2 wrong usage, 130 interrupted.
+Exit codes: 0 every method can be trusted here, 1 one fails or is inconclusive, 2 wrong usage, 130 interrupted.
 
 With --gallery FOLDER gets stability.md, stability-figures.md, verdicts/ and scenes/, with --choice checkpoints of all renders: the same \
 command goes on where an earlier one stopped.")]
@@ -85,4 +87,70 @@ pub struct VerifyOptions {
     /// No text; errors only
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+impl VerifyOptions {
+    /// The command that judges the gallery with these options, without those that are as they are by themselves.
+    pub fn command_of_gallery(&self) -> anyhow::Result<String> {
+        let usual = ["verify", "--gallery", "--output=FOLDER"];
+        let usual = Self::augment_args(Command::new("verify")).try_get_matches_from(usual);
+        let usual =
+            usual.and_then(|matches| Self::from_arg_matches(&matches)).context("cannot write the options out")?;
+        let usual = usual.deciding()?;
+        let scenes = self.scenes.iter().map(|scene| scene.to_string_lossy().into_owned());
+        let given = self.deciding()?.into_iter().filter(|option| !usual.contains(option));
+        let words = scenes.chain(given.flat_map(|(name, value)| [format!("--{name}"), value]));
+        let words = ["mlt", "verify", "--gallery", "-o", "FOLDER"].map(str::to_owned).into_iter().chain(words);
+        Ok(words.map(|word| shell_word(&word)).collect::<Vec<_>>().join(" "))
+    }
+
+    /// Names and values of the options that decide verdicts on a scene.
+    fn deciding(&self) -> anyhow::Result<Vec<(String, String)>> {
+        let Self { methods, against, replicas, per_pixel, rounds, detect, reading, size, seed, .. } = self;
+        let methods = methods.iter().map(Contestant::to_string).collect::<Vec<_>>().join(",");
+        let options = [
+            ("methods", Some(methods).filter(|methods| !methods.is_empty())),
+            ("against", Some(against.to_string())),
+            ("replicas", Some(replicas.to_string())),
+            ("size", Some(size.to_string())),
+            ("per-pixel", per_pixel.map(|n| n.to_string())),
+            ("rounds", rounds.map(|n| n.to_string())),
+            ("detect", Some(detect.to_string())),
+            ("seed", Some(seed.to_string())),
+        ];
+        let options = options.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
+        let reading = written(reading)?.into_iter().map(|(name, value)| (name.replace('_', "-"), value));
+        Ok(options.chain(reading).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Debug, Parser)]
+    struct Line {
+        #[command(flatten)]
+        options: VerifyOptions,
+    }
+
+    #[test]
+    fn the_command_of_the_gallery_has_the_options_that_were_given() {
+        let written = |line: &str| {
+            Line::parse_from(line.split_whitespace().skip(1)).options.command_of_gallery().expect("written")
+        };
+        for line in [
+            "mlt verify --gallery -o FOLDER",
+            "mlt verify --gallery -o FOLDER --replicas 24 --size 24x24 --per-pixel 256 --rounds 8",
+            "mlt verify --gallery -o FOLDER islands caustic --methods mlt:4x4,pt --against pt --detect 0.02 --seed 5 --glass solid",
+        ] {
+            assert_eq!(written(line), line);
+        }
+        assert_eq!(
+            written("mlt verify --gallery -o study --threads 1 --quiet --seed 1"),
+            "mlt verify --gallery -o FOLDER"
+        );
+    }
 }

@@ -20,7 +20,8 @@ use crate::{
     take_memory, warn_all,
 };
 
-/// Bytes a pixel: the film's sums in a long render and its current round, the image, and what its figures are made from.
+/// Bytes a pixel, as a bound. The film's sums take 45 in most renders and 60 after a million samples a pixel; the current round takes 12, and once
+/// that is freed the image as many; a file in the making takes up to 16. The rest is for pixels far brighter than the image, around which sums are wider.
 const BYTES_PER_PIXEL: u64 = 96;
 /// The same for further channels: as they are found, as they are kept, and in a file in the making.
 const BYTES_PER_PIXEL_FEATURES: u64 = 180;

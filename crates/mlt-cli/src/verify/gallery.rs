@@ -65,7 +65,13 @@ pub(super) fn all_methods() -> Result<Vec<Contestant>, Failure> {
 }
 
 /// Judges what is not judged yet, and writes both pages after each scene.
-pub(super) fn run(court: &Court, scenes: &[&Scene], folder: &Path) -> Result<Vec<Verdict>, Failure> {
+pub(super) fn run(
+    court: &Court,
+    options: &VerifyOptions,
+    scenes: &[&Scene],
+    folder: &Path,
+) -> Result<Vec<Verdict>, Failure> {
+    let command = options.command_of_gallery()?;
     let create =
         |path: &Path| fs::create_dir_all(path).with_context(|| format!("{}: cannot be created", path.display()));
     create(&folder.join("verdicts"))?;
@@ -75,7 +81,8 @@ pub(super) fn run(court: &Court, scenes: &[&Scene], folder: &Path) -> Result<Vec
         create(&files)?;
         let path = scene.write(&files).with_context(|| format!("{}: cannot be written", files.display()))?;
         verdicts.extend(of_scene(court, scene, &path, folder)?);
-        let pages = [("stability.md", page(&verdicts, scenes, court)), ("stability-figures.md", figures(&verdicts))];
+        let pages =
+            [("stability.md", page(&verdicts, scenes, court, &command)), ("stability-figures.md", figures(&verdicts))];
         for (name, text) in pages {
             atomic::write(&folder.join(name), text.as_bytes())?;
         }
@@ -141,9 +148,9 @@ fn fingerprint(bytes: &[u8]) -> u64 {
 }
 
 /// The page docs/stability.md.
-pub(super) fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court) -> String {
+fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court, command: &str) -> String {
     let mut page = format!(
-        "# Where methods fail\n\n{}\nWritten by `mlt verify --gallery -o FOLDER`; [verify.md](verify.md) says what it tests, \
+        "# Where methods fail\n\n{}\nWritten by\n\n    {command}\n\n[verify.md](verify.md) says what it tests, \
          [gallery.md](gallery.md) shows the scenes,\nand [stability-figures.md](stability-figures.md) has the figures behind the words.\n\
          For each scene and method: {}.\n\n",
         in_short(verdicts),
@@ -202,7 +209,7 @@ fn bars(Errors { coverage, doubted, .. }: &Errors) -> String {
 
 /// The page docs/stability-figures.md: the figures behind the words.
 fn figures(verdicts: &[Verdict]) -> String {
-    let mut text = "# Figures behind the verdicts\n\n[stability.md](stability.md) has the verdicts in words.\n\np: of so large a difference from the reference, corrected. Visible: error of the image, and of \
+    let mut text = "# Figures behind the verdicts\n\n[stability.md](stability.md) has the verdicts in words, and the command that writes both pages.\n\np: of so large a difference from the reference, corrected. Visible: error of the image, and of \
                     a region, seen in 4 of 5 studies. Bars: share of 95 %\nerror bars that hold the truth, and in brackets the seeds that say themselves that theirs cannot be trusted, which are \
                     left out. relMSE: median over seeds, and the worst over it. R̂: \
                     of rounds in the worst block.\nStuck: longest run of rejections. Flicker: lights moved by a millionth, over \

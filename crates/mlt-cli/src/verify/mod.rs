@@ -13,6 +13,7 @@ pub mod fault;
 mod gallery;
 pub mod study;
 pub mod verdict;
+mod warnings;
 mod words;
 
 use std::path::Path;
@@ -39,7 +40,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     let court = Court::new(options)?;
     let scenes = if options.gallery { gallery::scenes(options)? } else { Vec::new() };
     let verdicts = pool.install(|| match &options.output {
-        Some(folder) if options.gallery => gallery::run(&court, &scenes, folder),
+        Some(folder) if options.gallery => gallery::run(&court, options, &scenes, folder),
         _ => {
             let judged =
                 options.scenes.iter().map(|scene| court.judge(scene, &court.reading, &|_| None, &mut |_, _| Ok(())));

@@ -10,6 +10,7 @@ use super::{
     errors::{Errors, errors},
     evidence::Evidence,
     fault::Fault,
+    warnings,
 };
 
 /// Least share of 95 % intervals that has to hold the truth.
@@ -67,7 +68,7 @@ pub struct Verdict {
     pub chains: Option<Chains>,
     /// Sizes of errors.
     pub errors: Option<Errors>,
-    /// Warnings of renders, and how many renders gave each.
+    /// Warnings of renders, and how many renders gave each; a figure that differs between them is a range.
     pub warnings: BTreeMap<String, usize>,
 }
 
@@ -97,7 +98,7 @@ pub fn judge(names: Names, evidence: &Evidence, detect: f64, moved: Option<f64>)
         bias: None,
         chains: None,
         errors: None,
-        warnings: warnings(evidence),
+        warnings: warnings::counted(evidence.method.iter().flat_map(|replica| &replica.warnings)),
     };
     if evidence.is_black() {
         verdict.status = Status::Inconclusive;
@@ -185,20 +186,6 @@ pub(super) fn percent(share: f64) -> f64 {
     100.0 * share
 }
 
-/// Warnings of all renders, with digits taken out so that those which differ in figures alone are counted together.
-fn warnings(evidence: &Evidence) -> BTreeMap<String, usize> {
-    let mut counts = BTreeMap::new();
-    for warning in evidence.method.iter().flat_map(|replica| &replica.warnings) {
-        let plain: String = warning.chars().map(|c| if c.is_ascii_digit() { '#' } else { c }).collect();
-        let mut short = plain;
-        while short.contains("##") {
-            short = short.replace("##", "#");
-        }
-        *counts.entry(short).or_insert(0) += 1;
-    }
-    counts
-}
-
 impl Verdict {
     /// One sentence.
     pub fn sentence(&self) -> String {
@@ -206,7 +193,7 @@ impl Verdict {
         let reasons = self.reasons();
         match self.status {
             Status::Passes => format!("{scene}: {method} can be trusted"),
-            Status::Inconclusive => format!("{scene}: {method} cannot be judged: {}", reasons),
+            Status::Inconclusive => format!("{scene}: the verdict on {method} is inconclusive: {}", reasons),
             Status::Fails => format!("{scene}: {method} cannot be trusted: {}", reasons),
         }
     }

@@ -89,7 +89,7 @@ pub const SCENES: &[Scene] = &[
     scene!("islands", "chains that never cross from one keyhole to the other", rooms::islands()),
     Scene {
         name: "door-ajar",
-        stresses: "all light comes through a gap of 3 cm",
+        stresses: "all light comes through a gap of 2.7 cm",
         outcome: Outcome::Image,
         folder: Some("scenes/door-ajar"),
         files: || vec![("door-ajar.gltf", rooms::door_ajar().text().into_bytes())],
