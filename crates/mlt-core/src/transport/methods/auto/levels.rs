@@ -50,13 +50,17 @@ impl Levels {
         self.values.iter().all(|&level| level <= 0.0)
     }
 
-    /// The level of each pixel of an image of this size.
-    pub(super) fn enlarged(&self, [width, height]: [u32; 2]) -> impl Iterator<Item = f64> {
+    /// All of them, row by row.
+    pub(super) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// For an image of this size: a number for each column and one for each row. Their sum is the index of a pixel's level in
+    /// [`values`](Self::values).
+    pub(super) fn places(&self, [width, height]: [u32; 2]) -> [Vec<u32>; 2] {
         let [w, h] = self.size;
-        let along = |i: u32, small: u32, large: u32| (u64::from(i) * u64::from(small) / u64::from(large)) as usize;
-        (0..height).flat_map(move |y| {
-            (0..width).map(move |x| self.values[along(y, h, height) * w as usize + along(x, w, width)])
-        })
+        let along = |i: u32, small: u32, large: u32| (u64::from(i) * u64::from(small) / u64::from(large)) as u32;
+        [(0..width).map(|x| along(x, w, width)).collect(), (0..height).map(|y| along(y, h, height) * w).collect()]
     }
 
     /// Appends them to bytes.
@@ -99,4 +103,21 @@ fn shown(sampler: &Bidirectional, kinds: Kinds, pixel: u32, seed: u64) -> Vec<Sh
         });
     }
     shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each pixel of a larger image has the level of the pixel that it lies in.
+    #[test]
+    fn a_pixel_has_the_level_of_its_place() {
+        let levels = Levels { size: [2, 3], values: (0..6).map(f64::from).collect() };
+        let [columns, rows] = levels.places([5, 7]);
+        let level = |x: usize, y: usize| levels.values()[(columns[x] + rows[y]) as usize];
+        let row = |y| (0..5).map(|x| level(x, y)).collect::<Vec<_>>();
+        assert_eq!(row(0), [0.0, 0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(row(6), [4.0, 4.0, 4.0, 5.0, 5.0]);
+        assert_eq!((0..7).map(|y| level(0, y)).collect::<Vec<_>>(), [0.0, 0.0, 0.0, 2.0, 2.0, 4.0, 4.0]);
+    }
 }

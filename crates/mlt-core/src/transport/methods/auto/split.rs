@@ -24,8 +24,9 @@ pub(super) const IN_VIEW: Kinds = Kinds::SEEN.without(Kind::IMAGE);
 /// lets a walk come to x_1. c is in proportion to the [level](Levels) of the pixel.
 #[derive(Clone, Debug)]
 pub(super) struct Split {
-    /// c, pixel by pixel.
+    /// c of each level; `places` says which level a pixel has.
     half: Vec<f32>,
+    places: [Vec<u32>; 2],
     /// Most edges of a path that samples make; all of what is longer is left to chains.
     max_edges: usize,
 }
@@ -33,14 +34,23 @@ pub(super) struct Split {
 impl Split {
     /// For an image of this size.
     pub(super) fn new(levels: &Levels, size: [u32; 2], max_edges: usize) -> Self {
-        Self { half: levels.enlarged(size).map(|level| (HALF_OF_LEVEL * level) as f32).collect(), max_edges }
+        let half = levels.values().iter().map(|level| (HALF_OF_LEVEL * level) as f32).collect();
+        Self { half, places: levels.places(size), max_edges }
     }
 
     /// W where u is the `value` and the path crosses the image at a pixel.
     #[inline]
     pub(super) fn share(&self, value: f64, pixel: u32) -> f64 {
-        let ratio = square(square(value / f64::from(self.half[pixel as usize])));
+        let ratio = square(square(value / f64::from(self.half_at(pixel))));
         1.0 - 1.0 / (1.0 + ratio)
+    }
+
+    /// c of a pixel.
+    #[inline]
+    fn half_at(&self, pixel: u32) -> f32 {
+        let [columns, rows] = &self.places;
+        let width = columns.len() as u32;
+        self.half[(columns[(pixel % width) as usize] + rows[(pixel / width) as usize]) as usize]
     }
 
     /// u.
@@ -109,6 +119,11 @@ mod tests {
 
     const SAMPLES: u64 = 32_000;
 
+    /// Of an image of one pixel.
+    fn even(half: f32, max_edges: usize) -> Split {
+        Split { half: vec![half], places: [vec![0], vec![0]], max_edges }
+    }
+
     /// Mean and standard error over samples.
     fn moments(sample: impl Fn(u64) -> f64) -> [f64; 2] {
         let n = SAMPLES as f64;
@@ -157,7 +172,7 @@ mod tests {
         let (mut right, mut by_power, mut certain, worlds) = (0.0, 0.0_f64, 0.0, worlds());
         for (name, world) in &worlds {
             let (view, lights) = (world.view(), &LightRegion::whole(world.scene.lights()));
-            let split = Split { half: vec![0.03], max_edges: MOST_EDGES };
+            let split = even(0.03, MOST_EDGES);
             let value = |path: &LightPath| split.value(path, &view, lights);
             let found = taken(world, &split, MOST_EDGES, &value);
             let [one, four] = [1, 4].map(|branches| left(world, &split, (branches, MOST_EDGES)));
@@ -187,7 +202,7 @@ mod tests {
     /// A technique whose weight is beyond f32 brings nothing, and nothing that is no number.
     #[test]
     fn nothing_is_left_of_nothing() {
-        let split = Split { half: vec![0.03], max_edges: MOST_EDGES };
+        let split = even(0.03, MOST_EDGES);
         let light = LightPoint { light: 0, u: 0.5, v: 0.5 };
         let end = PathEnd { kind: Kind::new(3, false), light: LightEnd::Drawn(&light), scale: f64::INFINITY };
         assert_eq!(Rest(&split).part(DVec3::ZERO, 0, &end), DVec3::ZERO);
@@ -199,7 +214,7 @@ mod tests {
     fn longer_paths_are_left_to_chains() {
         for (_, world) in worlds() {
             let lights = &LightRegion::whole(world.scene.lights());
-            let split = Split { half: vec![f32::MAX], max_edges: 2 };
+            let split = even(f32::MAX, 2);
             let sampler = Bidirectional { view: world.view(), region: lights, max_edges: 3 };
             for i in 0..100 {
                 sampler.sample_paths(&mut generator(2, Purpose::Sample, 0, 0, i), &mut |path, _| {
