@@ -48,7 +48,7 @@ fn merge(folder: &Path, count: u64) -> (f64, Option<f64>) {
 
 #[test]
 fn many_parts_are_merged_in_flat_memory() {
-    let count = env::var("MLT_PARTS").ok().and_then(|count| count.parse().ok()).unwrap_or(PARTS);
+    let count = env::var("MLT_PARTS").ok().and_then(|count| count.parse().ok()).unwrap_or(PARTS).max(2);
     let folder = folder();
     let render =
         format!("render cornell --size 32x32 --method pt --samples-per-pixel {count} --rounds {count} --threads 1 -q");
@@ -60,7 +60,8 @@ fn many_parts_are_merged_in_flat_memory() {
     assert!(held(&folder, "sum.mltp").sums.to_bytes() == whole.sums.to_bytes());
     println!("{} parts: {few:?} s and MB; {count} parts: {all:?}", count / 2);
     if let (Some(few), Some(all)) = (few.1, all.1) {
-        // The contribution of each round to blocks of the image is kept of up to 4096 rounds; then only names of files are added.
-        assert!(all < 1.1 * few + 2.0, "{few} MB and {all} MB");
+        // The contribution of each round to blocks of the image, 7 KB with its name, is kept of up to 4096 rounds.
+        let more = (count.min(4096) - (count / 2).min(4096)) as f64;
+        assert!(all - few < 0.007 * more + 1.0, "{few} MB and {all} MB");
     }
 }

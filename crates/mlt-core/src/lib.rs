@@ -24,6 +24,8 @@
 //! | [`primary`] | States that are the random numbers of any sampler, for the engine. |
 //! | `transport` | A renderer that is one user of those traits (feature `transport`, on by default). |
 //!
+//! The feature `checkpoints`, which `transport` implies, adds sums of rounds as bytes with a checksum.
+//!
 //! In [`engine`]: what you bring ([`Path`](engine::Path), [`Importance`](engine::Importance),
 //! [`Mutation`](engine::Mutation), [`Stratum`](engine::Stratum)), what drives it ([`Metropolis`](engine::Metropolis),
 //! [`Mixture`](engine::Mixture), [`render`](engine::render)), and what comes out ([`Film`](engine::Film),

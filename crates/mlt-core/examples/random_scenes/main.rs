@@ -32,7 +32,7 @@ fn main() -> ExitCode {
     let seeds = env::args().nth(1).is_some_and(|word| word == "seeds");
     match numbers[..] {
         [first, count] if seeds => seeds::study(first..first + count),
-        [room] => Contest::new().show(room, SHOWN),
+        [room] if !seeds => Contest::new().show(room, SHOWN),
         [first, count] if study(first..first + count) > 0 => return ExitCode::FAILURE,
         [_, _] => {}
         _ => {

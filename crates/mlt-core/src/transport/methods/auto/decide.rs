@@ -74,8 +74,8 @@ pub(super) fn decide(candidates: &[Candidate], usual: f64) -> [Decision; 2] {
     [alone, best(&mut { mixed }).unwrap_or(alone)]
 }
 
-/// The better of both. Where most of what path tracing leaves alone is what chains tell, and its samples have `met` that but a few times a
-/// round, in doubt both together.
+/// The better of both. Where most of what path tracing leaves alone is what chains tell, and its samples meet that fewer than [`FEW`] times a
+/// round (`met`), both together are taken in doubt.
 pub(super) fn better([alone, mixed]: [Decision; 2], met: f64) -> Decision {
     let Candidate { errors, tail, .. } = alone.candidate;
     let factor = if tail > errors.iter().sum() && met < FEW { DOUBT } else { GAIN };

@@ -37,7 +37,7 @@ pub(super) struct Tail<'a> {
     pub(super) seed: u64,
 }
 
-/// T and R of a stratum, from those of its chains. R/T is that of all chains but the one with the largest T: where one of them is stuck
+/// T, R and Q of a stratum, from those of its chains. R/T is that of all chains but the one with the largest T: where one of them is stuck
 /// and no other has been, it says nothing about the rest.
 fn of_stratum(found: &[[f64; 3]]) -> [f64; 3] {
     let largest = found.iter().copied().max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or_default();
