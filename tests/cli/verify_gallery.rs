@@ -11,7 +11,7 @@ use mlt_cli::{
         verdict::{Names, Verdict, judge},
     },
 };
-use mlt_scene::gallery::{Outcome, SCENES, find};
+use mlt_scene::gallery::{RightOutcome, SCENES, find};
 
 const EFFORT: (u64, f64, u64) = (12, 32.0, 4);
 const METHODS: [&str; 5] = ["auto", "mlt", "bdpt", "pt", "mmlt"];
@@ -48,12 +48,12 @@ fn differs(verdict: &Verdict) -> bool {
 #[test]
 fn no_scene_shows_a_bias() {
     let folder = tempfile::tempdir().expect("a folder");
-    for scene in SCENES.iter().filter(|scene| scene.outcome != Outcome::Refused) {
+    for scene in SCENES.iter().filter(|scene| scene.outcome != RightOutcome::Refused) {
         let file = scene.write(folder.path()).expect("written");
         for verdict in verdicts(&file) {
             println!("{} × {}: {:?} {}", scene.name, verdict.method, verdict.status, verdict.reasons());
             assert!(!differs(&verdict), "{}", verdict.text());
-            assert_eq!(verdict.bias.is_none(), scene.outcome == Outcome::Black, "{}", verdict.text());
+            assert_eq!(verdict.bias.is_none(), scene.outcome == RightOutcome::Black, "{}", verdict.text());
         }
     }
 }

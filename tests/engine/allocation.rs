@@ -87,11 +87,9 @@ fn varying() -> Material {
 /// A floor of varying colour, gloss and normals, and a mirror under a light.
 fn scene() -> SceneDescription {
     let quad = |material, corners: [[f64; 3]; 4]| Mesh {
-        positions: corners.map(DVec3::from_array).to_vec(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
         material,
         uv: [corners.map(|[x, _, z]| Vec2::new(x as f32, z as f32)).to_vec(), Vec::new()],
-        ..Mesh::default()
+        ..Mesh::quad(corners.map(DVec3::from_array))
     };
     let material = |bsdf, emission| Material { bsdf, emission, ..Material::default() };
     SceneDescription {

@@ -61,8 +61,7 @@ pub(crate) fn pose(position: DVec3, target: DVec3, degrees: f32) -> CameraPose {
 
 /// Counter-clockwise seen from the front.
 pub(crate) fn quad(corners: [[f64; 3]; 4]) -> Mesh {
-    let positions = corners.map(DVec3::from_array).to_vec();
-    Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+    Mesh::quad(corners.map(DVec3::from_array))
 }
 
 /// Independent estimates of one small image.

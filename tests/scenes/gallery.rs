@@ -2,10 +2,10 @@
 
 use glam::{DVec3, Vec3};
 use mlt_core::memory::Memory;
-use mlt_core::transport::scene::{Scene as World, UnusableScene};
+use mlt_core::transport::scene::{Scene, UnusableScene};
 use mlt_scene::{
     EnvironmentSource, LoadOptions, Loaded,
-    gallery::{Outcome, SCENES, Scene, find},
+    gallery::{HardScene, RightOutcome, SCENES, find},
     open_within,
 };
 use std::{fs, path::Path};
@@ -15,10 +15,10 @@ fn root() -> &'static Path {
 }
 
 /// A scene that is to be refused gets no sky.
-fn loaded(scene: &Scene) -> Loaded {
+fn loaded(scene: &HardScene) -> Loaded {
     let folder = tempfile::tempdir().unwrap();
     let mut options = LoadOptions::default();
-    if scene.outcome == Outcome::Refused {
+    if scene.outcome == RightOutcome::Refused {
         options.environment.source = EnvironmentSource::None;
     }
     let path = scene.write(folder.path()).unwrap();
@@ -48,10 +48,10 @@ fn every_scene_loads_as_it_should() {
         let Loaded { description, warnings, .. } = loaded(scene);
         assert!(warnings.is_empty(), "{}: {warnings:?}", scene.name);
         assert_eq!(description.cameras.len(), 1, "{}", scene.name);
-        match World::new(description) {
-            Ok(_) => assert_ne!(scene.outcome, Outcome::Refused, "{}", scene.name),
+        match Scene::new(description) {
+            Ok(_) => assert_ne!(scene.outcome, RightOutcome::Refused, "{}", scene.name),
             Err(error) => {
-                assert_eq!((scene.outcome, error), (Outcome::Refused, UnusableScene::NoLight), "{}", scene.name)
+                assert_eq!((scene.outcome, error), (RightOutcome::Refused, UnusableScene::NoLight), "{}", scene.name)
             }
         }
     }

@@ -3,8 +3,8 @@
 use crate::support::{check_sentence, load_files};
 use glam::{DVec3, Vec3};
 use mlt_core::transport::bsdf::Bsdf;
-use mlt_core::transport::scene::{Lens, SceneDescription};
-use mlt_scene::{BUILTIN, Loaded, SceneError, bounds, camera_framing, camera_look_at, open};
+use mlt_core::transport::scene::{CameraPose, Lens, SceneDescription};
+use mlt_scene::{BUILTIN, Loaded, SceneError, bounds, camera_framing, open};
 use std::{collections::HashMap, fmt::Write};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -311,10 +311,10 @@ fn utf_16_is_read_in_either_order() {
 #[test]
 fn cameras_for_files_without_any() {
     let [from, to] = [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, 4.0, -5.0)];
-    let camera = camera_look_at(from, to, 1.0);
+    let camera = CameraPose::look_at(from, to, 1.0);
     assert_eq!((camera.forward, camera.up, camera.lens), (Vec3::NEG_Z, Vec3::Y, Lens::Pinhole { vertical_fov: 1.0 }));
     for to in [from, from + DVec3::Y, from - DVec3::Y, DVec3::NAN] {
-        let camera = camera_look_at(from, to, 1.0);
+        let camera = CameraPose::look_at(from, to, 1.0);
         assert!((camera.forward.length() - 1.0).abs() < 1e-6 && (camera.up.length() - 1.0).abs() < 1e-6, "{camera:?}");
         assert!(camera.forward.dot(camera.up).abs() < 1e-6);
     }

@@ -2,14 +2,14 @@
 //!
 //!     cargo run --release -p mlt-core --example scene_in_code
 
-use mlt_core::glam::{DVec3, Vec3};
+use mlt_core::glam::DVec3;
 use mlt_core::transport::Rgb;
 use mlt_core::transport::bsdf::{Bsdf, Lambert};
 use mlt_core::transport::geometry::Mesh;
 use mlt_core::transport::image::mean_luminance;
 use mlt_core::transport::lights::Stratification;
 use mlt_core::transport::render::{Method, Renderer, Settings};
-use mlt_core::transport::scene::{CameraPose, Lens, Material, Scene, SceneDescription, UnusableScene, View};
+use mlt_core::transport::scene::{CameraPose, Material, Scene, SceneDescription, UnusableScene, View};
 use std::ops::ControlFlow;
 
 fn main() -> Result<(), UnusableScene> {
@@ -22,14 +22,7 @@ fn main() -> Result<(), UnusableScene> {
         materials: vec![material("floor", 0.7, 0.0), material("lamp", 0.0, 8.0)],
         ..SceneDescription::default()
     };
-    let pose = CameraPose {
-        name: "above".into(),
-        position: DVec3::new(0.0, 1.8, 3.0),
-        forward: Vec3::new(0.0, -0.5, -0.85).normalize(),
-        up: Vec3::new(0.0, 0.85, -0.5).normalize(),
-        lens: Lens::Pinhole { vertical_fov: 50f32.to_radians() },
-        aspect_ratio: None,
-    };
+    let pose = CameraPose::look_at(DVec3::new(0.0, 1.8, 3.0), DVec3::new(0.0, 0.0, -0.06), 50f32.to_radians());
     let scene = Scene::new(description)?;
     let camera = scene.camera(&pose, [32, 24]);
     let settings = Settings::new(Method::Metropolis, 16.0).with(|s| s.stratification = Stratification::Grid(2, 2));
@@ -43,8 +36,7 @@ fn main() -> Result<(), UnusableScene> {
 
 /// A square of half the side `half` at the height `y`, its corners in the order given.
 fn square(material: u32, half: f64, y: f64, corners: [[f64; 2]; 4]) -> Mesh {
-    let positions = corners.map(|[x, z]| DVec3::new(half * x, y, half * z)).to_vec();
-    Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], material, ..Mesh::default() }
+    Mesh { material, ..Mesh::quad(corners.map(|[x, z]| DVec3::new(half * x, y, half * z))) }
 }
 
 /// A diffuse surface that reflects and emits alike in all channels.

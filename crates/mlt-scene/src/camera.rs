@@ -1,23 +1,7 @@
 //! Cameras for files that bring none.
 
-use glam::{DVec3, Vec3};
-use mlt_core::transport::scene::{CameraPose, Lens, Prototype, SceneDescription};
-
-/// A camera at `from` that looks at `to` with +y up; `vertical_fov` in radians.
-///
-/// Where the two points coincide it looks along -z, and where +y is the line of sight, -z is up.
-pub fn camera_look_at(from: DVec3, to: DVec3, vertical_fov: f32) -> CameraPose {
-    let forward = (to - from).normalize_or(DVec3::NEG_Z);
-    let right = forward.cross(DVec3::Y).normalize_or(DVec3::X);
-    CameraPose {
-        name: "look-at".to_owned(),
-        position: from,
-        forward: forward.as_vec3().normalize_or(Vec3::NEG_Z),
-        up: right.cross(forward).as_vec3().normalize_or(Vec3::Y),
-        lens: Lens::Pinhole { vertical_fov },
-        aspect_ratio: None,
-    }
-}
+use glam::DVec3;
+use mlt_core::transport::scene::{CameraPose, Prototype, SceneDescription};
 
 /// Where a camera may stand that takes in a whole scene: in front of it (+z) and a little above, else at its side, else above.
 const STANDPOINTS: [DVec3; 3] = [DVec3::new(0.0, 0.3, 1.0), DVec3::new(1.0, 0.3, 0.0), DVec3::new(0.0, 1.0, 0.3)];
@@ -37,7 +21,7 @@ pub fn camera_framing(bounds: [DVec3; 2]) -> CameraPose {
     let radius = if radius > 0.0 && radius.is_finite() { radius } else { 1.0 };
     let distance = radius / libm::sin(f64::from(vertical_fov / 2.0));
     let from = centre + distance * standpoint(bounds[1] - bounds[0]);
-    CameraPose { name: "framing".to_owned(), ..camera_look_at(from, centre, vertical_fov) }
+    CameraPose { name: "framing".to_owned(), ..CameraPose::look_at(from, centre, vertical_fov) }
 }
 
 /// The direction from a box of the sides `size` to its camera: the first of the standpoints that shows enough of it.
@@ -61,6 +45,7 @@ pub fn bounds(scene: &SceneDescription) -> Option<[DVec3; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     /// Where the camera that takes in a box of these sides stands, seen from its centre.
     fn stands(size: [f64; 3]) -> Vec3 {

@@ -39,7 +39,7 @@ use source::Source;
 use std::path::Path;
 
 pub use builtin::{BUILTIN, BuiltIn, builtin};
-pub use camera::{bounds, camera_framing, camera_look_at};
+pub use camera::{bounds, camera_framing};
 pub use environment::{EnvironmentOptions, EnvironmentSource};
 pub use error::SceneError;
 pub use glass::Glass;

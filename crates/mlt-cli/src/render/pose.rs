@@ -30,7 +30,7 @@ fn chosen(
     let view = &options.view;
     if let (Some(from), Some(to)) = (view.camera_from, view.camera_to) {
         let [from, to] = [from, to].map(DVec3::from_array);
-        return Ok((mlt_scene::camera_look_at(from, to, USUAL_FOV.to_radians()), "by --camera-from and --camera-to"));
+        return Ok((CameraPose::look_at(from, to, USUAL_FOV.to_radians()), "by --camera-from and --camera-to"));
     }
     if let Some(name) = &view.camera {
         let found = scene.cameras.iter().find(|camera| camera.name == *name);

@@ -9,7 +9,7 @@ use std::{
 use anyhow::Context;
 use clap::ValueEnum;
 use mlt_scene::EnvironmentSource;
-use mlt_scene::gallery::{Outcome, SCENES, Scene, find};
+use mlt_scene::gallery::{HardScene, RightOutcome, SCENES, find};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -31,7 +31,7 @@ struct Kept {
 }
 
 /// The scenes asked for, or all.
-pub(super) fn scenes(options: &VerifyOptions) -> Result<Vec<&'static Scene>, Failure> {
+pub(super) fn scenes(options: &VerifyOptions) -> Result<Vec<&'static HardScene>, Failure> {
     if options.scenes.is_empty() {
         return Ok(SCENES.iter().collect());
     }
@@ -68,7 +68,7 @@ pub(super) fn all_methods() -> Result<Vec<Contestant>, Failure> {
 pub(super) fn run(
     court: &Court,
     options: &VerifyOptions,
-    scenes: &[&Scene],
+    scenes: &[&HardScene],
     folder: &Path,
 ) -> Result<Vec<Verdict>, Failure> {
     let command = options.command_of_gallery()?;
@@ -90,7 +90,7 @@ pub(super) fn run(
     Ok(verdicts)
 }
 
-fn of_scene(court: &Court, scene: &Scene, path: &Path, folder: &Path) -> Result<Vec<Verdict>, Failure> {
+fn of_scene(court: &Court, scene: &HardScene, path: &Path, folder: &Path) -> Result<Vec<Verdict>, Failure> {
     let file = |method: &Contestant| {
         let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.=".contains(c) { c } else { '_' };
         let name: String = format!("{}-{method}", scene.name).chars().map(plain).collect();
@@ -104,7 +104,7 @@ fn of_scene(court: &Court, scene: &Scene, path: &Path, folder: &Path) -> Result<
     };
     let mut keep = |method: &Contestant, verdict: &mut Verdict| -> Result<(), Failure> {
         scene.name.clone_into(&mut verdict.scene);
-        if scene.outcome == Outcome::Black && verdict.bias.is_none() {
+        if scene.outcome == RightOutcome::Black && verdict.bias.is_none() {
             (verdict.status, verdict.remarks) = (Status::Passes, vec!["black, as it has to be".into()]);
         }
         let kept = Kept { identity: identity(method), verdict: verdict.clone() };
@@ -113,17 +113,17 @@ fn of_scene(court: &Court, scene: &Scene, path: &Path, folder: &Path) -> Result<
     };
     // A scene that is to be refused would get a sky.
     let mut reading = court.reading.clone();
-    if scene.outcome == Outcome::Refused {
+    if scene.outcome == RightOutcome::Refused {
         reading.environment.environment = Some(Source(EnvironmentSource::None));
     }
     match court.judge(path, &reading, &kept, &mut keep) {
-        Err(Failure::Run(error)) if scene.outcome == Outcome::Refused => Ok(refused(court, scene, &error)),
+        Err(Failure::Run(error)) if scene.outcome == RightOutcome::Refused => Ok(refused(court, scene, &error)),
         other => other,
     }
 }
 
 /// A scene that no method renders, and should not.
-fn refused(court: &Court, scene: &Scene, error: &anyhow::Error) -> Vec<Verdict> {
+fn refused(court: &Court, scene: &HardScene, error: &anyhow::Error) -> Vec<Verdict> {
     let sentence = format!("{error:#}");
     let told = sentence.contains("no light") && !sentence.contains('\n');
     let verdict = |method: &Contestant| Verdict {
@@ -148,7 +148,7 @@ fn fingerprint(bytes: &[u8]) -> u64 {
 }
 
 /// The page docs/stability.md.
-fn page(verdicts: &[Verdict], scenes: &[&Scene], court: &Court, command: &str) -> String {
+fn page(verdicts: &[Verdict], scenes: &[&HardScene], court: &Court, command: &str) -> String {
     let mut page = format!(
         "# Where methods fail\n\n{}\nWritten by\n\n    {command}\n\n[verify.md](verify.md) says what it tests, \
          [gallery.md](gallery.md) shows the scenes,\nand [stability-figures.md](stability-figures.md) has the figures behind the words.\n\

@@ -1,7 +1,7 @@
 //! Random rooms.
 
 use super::dice::Dice;
-use super::shapes::{ball, cuboid, quad, rectangle};
+use super::shapes::{ball, cuboid, rectangle};
 use super::surfaces::{any, wide};
 use mlt_core::glam::{DAffine3, DQuat, DVec3, Vec3};
 use mlt_core::transport::Rgb;
@@ -171,7 +171,7 @@ impl Builder {
         let far = self.dice.magnitude(1.0, 5.0);
         let corners = [[1.0, 0.0, 0.1], [1.0, 0.5, 0.0], [1.0, 0.0, 0.7], [1.0, 0.0, 0.7]];
         let material = self.dice.up_to(self.description.meshes.len() - 1) as u32;
-        let mesh = quad(corners.map(|corner| far * DVec3::from_array(corner)));
+        let mesh = Mesh::quad(corners.map(|corner| far * DVec3::from_array(corner)));
         self.description.meshes.push(Mesh { material, triangles: vec![[0, 1, 2]], ..mesh });
     }
 

@@ -1,6 +1,7 @@
 //! The default method in many rooms, with several seeds each.
 
 use super::rooms::Room;
+use mlt_core::measure::Measures;
 use mlt_core::transport::render::{Method, Renderer, Settings};
 use mlt_core::transport::scene::{Scene, View};
 use std::{fmt, ops::ControlFlow};
@@ -95,10 +96,10 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Mean of (a − b)²/(b² + (b̄/10)²).
-fn rel_mse(a: &[f64], b: &[f64], level: f64) -> f64 {
-    let of_pixel = |(a, b): (&f64, &f64)| (a - b).powi(2) / (b * b + 0.01 * level * level);
-    a.iter().zip(b).map(of_pixel).sum::<f64>() / a.len() as f64
+/// relMSE of images whose mean is made 1, so that it does not depend on the unit of light.
+fn rel_mse(image: &[f64], truth: &[f64], level: f64) -> f64 {
+    let [image, truth] = [image, truth].map(|pixels| pixels.iter().map(|x| x / level).collect::<Vec<_>>());
+    Measures::between(&truth, &image).map_or(f64::NAN, |measures| measures.rel_mse)
 }
 
 #[test]

@@ -5,16 +5,11 @@ use mlt_core::glam::DVec3;
 use mlt_core::transport::geometry::Mesh;
 use std::f64::consts::{PI, TAU};
 
-/// Two triangles, counter-clockwise seen from where a, b, c, d are.
-pub(crate) fn quad(corners: [DVec3; 4]) -> Mesh {
-    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
-}
-
 /// A rectangle about a centre, that faces `normal`.
 pub(crate) fn rectangle(centre: DVec3, normal: DVec3, [a, b]: [f64; 2]) -> Mesh {
     let u = normal.any_orthonormal_vector();
     let v = normal.cross(u);
-    quad([[-a, -b], [a, -b], [a, b], [-a, b]].map(|[x, y]| centre + x * u + y * v))
+    Mesh::quad([[-a, -b], [a, -b], [a, b], [-a, b]].map(|[x, y]| centre + x * u + y * v))
 }
 
 /// A box that faces outwards.

@@ -20,38 +20,22 @@
 //! # A render
 //!
 //! ```
-//! use mlt_core::glam::{DVec3, Vec3};
+//! use mlt_core::glam::DVec3;
 //! use mlt_core::transport::bsdf::{Bsdf, Lambert};
 //! use mlt_core::transport::geometry::Mesh;
 //! use mlt_core::transport::render::{Method, Renderer, Settings};
-//! use mlt_core::transport::scene::{CameraPose, Lens, Material, Scene, SceneDescription, View};
+//! use mlt_core::transport::scene::{CameraPose, Material, Scene, SceneDescription, View};
 //! use mlt_core::transport::{Rgb, image};
 //! use std::ops::ControlFlow;
 //!
-//! let quad = |material, y, z: [f64; 2]| Mesh {
-//!     positions: [[-1.0, z[0]], [1.0, z[0]], [1.0, z[1]], [-1.0, z[1]]].map(|[x, z]| DVec3::new(x, y, z)).to_vec(),
-//!     triangles: vec![[0, 1, 2], [0, 2, 3]],
-//!     material,
-//!     ..Mesh::default()
-//! };
-//! let material = |reflectance, emission| Material {
-//!     bsdf: Bsdf::Lambert(Lambert { reflectance: Rgb::splat(reflectance) }),
-//!     emission: Rgb::splat(emission),
-//!     ..Material::default()
-//! };
-//! let scene = Scene::new(SceneDescription {
-//!     meshes: vec![quad(0, 0.0, [1.0, -1.0]), quad(1, 2.0, [-1.0, 1.0])], // a floor that faces up, a lamp that faces down
-//!     materials: vec![material(0.5, 0.0), material(0.0, 3.0)],
-//!     ..SceneDescription::default()
-//! })?;
-//! let camera = scene.camera(&CameraPose {
-//!     name: String::new(),
-//!     position: DVec3::new(0.0, 1.0, 0.0),
-//!     forward: Vec3::NEG_Y,
-//!     up: Vec3::NEG_Z,
-//!     lens: Lens::Pinhole { vertical_fov: 1.0 },
-//!     aspect_ratio: None,
-//! }, [8, 8]);
+//! // A floor that faces up, and above it a lamp that faces down.
+//! let at = |y, z| [[-1.0, z], [1.0, z], [1.0, -z], [-1.0, -z]].map(|[x, z]| DVec3::new(x, y, z));
+//! let meshes = vec![Mesh::quad(at(0.0, 1.0)), Mesh { material: 1, ..Mesh::quad(at(2.0, -1.0)) }];
+//! let grey = Bsdf::Lambert(Lambert { reflectance: Rgb::splat(0.5) });
+//! let floor = Material { bsdf: grey, ..Material::default() };
+//! let lamp = Material { emission: Rgb::splat(3.0), ..Material::default() };
+//! let scene = Scene::new(SceneDescription { meshes, materials: vec![floor, lamp], ..SceneDescription::default() })?;
+//! let camera = scene.camera(&CameraPose::look_at(DVec3::Y, DVec3::ZERO, 1.0), [8, 8]);
 //! let renderer = Renderer::new(View { scene: &scene, camera: &camera }, Settings::new(Method::Path, 16.0));
 //! let mut sums = renderer.sums();
 //! renderer.render(0..8, &mut sums, &mut |_, _| ControlFlow::Continue(()));

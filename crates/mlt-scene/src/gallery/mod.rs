@@ -1,7 +1,7 @@
 //! Hard scenes, made by code: what light transport methods are known to fail at, each small enough to be rendered many
 //! times over.
 //!
-//! The files below `scenes/stability`, `scenes/door-ajar` and `scenes/lights-200` are what [`Scene::write`] writes; one
+//! The files below `scenes/stability`, `scenes/door-ajar` and `scenes/lights-200` are what [`HardScene::write`] writes; one
 //! that is large is not stored.
 
 mod document;
@@ -20,7 +20,7 @@ use std::{
 
 /// Right outcome of rendering a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum RightOutcome {
     /// An image.
     Image,
     /// A black image.
@@ -31,19 +31,19 @@ pub enum Outcome {
 
 /// A scene of the gallery.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene {
+pub struct HardScene {
     /// Its name, which is its folder's.
     pub name: &'static str,
     /// The difficulty, in a few words.
     pub stresses: &'static str,
     /// The right outcome.
-    pub outcome: Outcome,
+    pub outcome: RightOutcome,
     /// The folder that keeps it, from the root of the repository; `None`: too large to be kept.
     pub folder: Option<&'static str>,
     files: fn() -> Vec<(&'static str, Vec<u8>)>,
 }
 
-impl Scene {
+impl HardScene {
     /// Its files, the scene file first.
     pub fn files(&self) -> Vec<(&'static str, Vec<u8>)> {
         (self.files)()
@@ -60,7 +60,7 @@ impl Scene {
 }
 
 /// The scene of that name.
-pub fn find(name: &str) -> Option<&'static Scene> {
+pub fn find(name: &str) -> Option<&'static HardScene> {
     SCENES.iter().find(|scene| scene.name == name)
 }
 
@@ -70,10 +70,10 @@ fn one(document: Document) -> Vec<(&'static str, Vec<u8>)> {
 
 macro_rules! scene {
     ($name:literal, $stresses:literal, $make:expr) => {
-        scene!($name, $stresses, $make, Outcome::Image)
+        scene!($name, $stresses, $make, RightOutcome::Image)
     };
     ($name:literal, $stresses:literal, $make:expr, $outcome:expr) => {
-        Scene {
+        HardScene {
             name: $name,
             stresses: $stresses,
             outcome: $outcome,
@@ -84,20 +84,20 @@ macro_rules! scene {
 }
 
 /// All scenes, the ordinary one first.
-pub const SCENES: &[Scene] = &[
+pub const SCENES: &[HardScene] = &[
     scene!("plain", "nothing: the control", surfaces::plain()),
     scene!("islands", "chains that never cross from one keyhole to the other", rooms::islands()),
-    Scene {
+    HardScene {
         name: "door-ajar",
         stresses: "all light comes through a gap of 2.7 cm",
-        outcome: Outcome::Image,
+        outcome: RightOutcome::Image,
         folder: Some("scenes/door-ajar"),
         files: || vec![("door-ajar.gltf", rooms::door_ajar().text().into_bytes())],
     },
-    Scene {
+    HardScene {
         name: "caustic",
         stresses: "light gathered by a ball of glass",
-        outcome: Outcome::Image,
+        outcome: RightOutcome::Image,
         folder: Some("scenes/caustic"),
         files: || {
             vec![
@@ -109,17 +109,17 @@ pub const SCENES: &[Scene] = &[
     scene!("window", "a room lit by the sky through its window", rooms::window()),
     scene!("pool", "light that goes through the water both ways", rooms::pool()),
     scene!("occluded", "a sealed light a million times as strong as the one seen", rooms::occluded()),
-    Scene {
+    HardScene {
         name: "confetti",
         stresses: "100,000 emissive triangles",
-        outcome: Outcome::Image,
+        outcome: RightOutcome::Image,
         folder: None,
         files: || one(rooms::confetti()),
     },
-    Scene {
+    HardScene {
         name: "lights-200",
         stresses: "200 lights, powers from 1 to 500",
-        outcome: Outcome::Image,
+        outcome: RightOutcome::Image,
         folder: Some("scenes/lights-200"),
         files: || vec![("lights-200.gltf", rooms::lights_200().text().into_bytes())],
     },
@@ -133,6 +133,6 @@ pub const SCENES: &[Scene] = &[
     scene!("broken", "the control in slivers, doubled, inside out", surfaces::broken()),
     scene!("camera-in-glass", "the camera is inside a ball of glass", rooms::camera_in_glass()),
     scene!("camera-on-light", "the camera is on the lamp", surfaces::camera_on_light()),
-    scene!("camera-sees-nothing", "the camera is turned away", surfaces::camera_sees_nothing(), Outcome::Black),
-    scene!("no-light", "no light", surfaces::no_light(), Outcome::Refused),
+    scene!("camera-sees-nothing", "the camera is turned away", surfaces::camera_sees_nothing(), RightOutcome::Black),
+    scene!("no-light", "no light", surfaces::no_light(), RightOutcome::Refused),
 ];

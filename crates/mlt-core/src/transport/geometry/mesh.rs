@@ -24,6 +24,13 @@ pub struct Mesh {
     pub material: u32,
 }
 
+impl Mesh {
+    /// Two triangles, counter-clockwise where the corners are.
+    pub fn quad(corners: [DVec3; 4]) -> Self {
+        Self { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Self::default() }
+    }
+}
+
 /// The corners of all triangles of some meshes.
 pub(crate) fn points(meshes: &[Mesh]) -> impl Iterator<Item = DVec3> + Clone {
     meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize]))

@@ -90,7 +90,7 @@ pub(crate) fn lambert(reflectance: Rgb) -> Bsdf {
 
 /// Two triangles, counter-clockwise seen from where a, b, c, d are.
 pub(crate) fn quad(corners: [DVec3; 4]) -> Mesh {
-    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+    Mesh::quad(corners)
 }
 
 /// A ball, with smooth shading normals on few flat faces.

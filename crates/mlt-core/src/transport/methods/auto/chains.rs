@@ -1,6 +1,6 @@
 //! The error that chains leave in their share of the image, and their shares of a round.
 
-use super::constants::{MOST_WALKS, MUTATIONS_PER_SAMPLE, TIME_OF_A_CHAINS_RAY, WALKS};
+use super::constants::{MOST_WALKS, PILOT_MUTATIONS_PER_SAMPLE, TIME_OF_A_CHAINS_RAY, WALKS};
 use crate::engine::{Measure, Share, allocate};
 use crate::transport::scene::View;
 
@@ -53,7 +53,8 @@ pub(super) fn share_out(measures: &[Measure], budget: Budget) -> Vec<Share> {
     let mut shares = Vec::new();
     for _ in 0..3 {
         let n = (mutations.max(1.0) / measures.len() as f64) as u64;
-        let even = vec![Share { mutations: n.max(1), samples: (n / MUTATIONS_PER_SAMPLE).max(1) }; measures.len()];
+        let even =
+            vec![Share { mutations: n.max(1), samples: (n / PILOT_MUTATIONS_PER_SAMPLE).max(1) }; measures.len()];
         shares = allocate(measures, &even, mutations.max(1.0), mutations_per_sample);
         if let (Some(share), Some(measure)) = (shares.last_mut(), measures.last()) {
             let rays = WALKS * work / TIME_OF_A_CHAINS_RAY;

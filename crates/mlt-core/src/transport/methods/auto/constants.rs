@@ -36,7 +36,7 @@ pub(super) const LONG_SEQUENCE: u64 = 4;
 /// Mutations a pixel and round of the pilot; chosen.
 pub(super) const MUTATIONS: f64 = 8.0;
 /// Mutations for each independent sample of the pilot; chosen.
-pub(super) const MUTATIONS_PER_SAMPLE: u64 = 8;
+pub(super) const PILOT_MUTATIONS_PER_SAMPLE: u64 = 8;
 /// Camera subpaths for each pixel and round of the pilot, for what is met by chance; chosen.
 pub(super) const PILOT_WALKS: u64 = 2;
 /// The same for a render, as a share of its chains' work: such light is met once in many renders. docs/log/auto.md.
@@ -54,7 +54,7 @@ pub(super) const TOLD_CHAINS: u64 = 16;
 /// Least share of the power of a part of the lights that is asked for; chosen.
 pub(super) const LEAST_SHARE: f64 = 1.0 / 16.0;
 /// Least share of a round's work for chains; chosen, section 3.
-pub(super) const LEAST_CHAINS: f64 = 0.2;
+pub(super) const LEAST_CHAIN_WORK: f64 = 0.2;
 /// Work of a round over what was asked for, at least and at most: numbers of samples are powers of two. Section 3.
 pub(super) const WORK: [f64; 2] = [0.75, 1.25];
 /// Error × work of both together over that of path tracing alone, at most: it is chosen by noisy figures. Section 3.

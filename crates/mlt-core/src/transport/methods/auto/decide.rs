@@ -1,6 +1,6 @@
 //! From errors and costs to numbers of samples and the work of chains.
 
-use super::constants::{DOUBT, FEW, GAIN, LEAST_CHAINS, WORK};
+use super::constants::{DOUBT, FEW, GAIN, LEAST_CHAIN_WORK, WORK};
 
 /// Path tracing in one of the ways in which it may take its share.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +47,7 @@ impl Candidate {
 
     /// With chains, which get what n samples leave of the work.
     fn with_chains(self, n: f64, usual: f64, budget: f64) -> Option<Decision> {
-        let chain_work = (budget - n * self.work).max(LEAST_CHAINS * budget);
+        let chain_work = (budget - n * self.work).max(LEAST_CHAIN_WORK * budget);
         let work = n * self.work + chain_work;
         let product = (self.error(n, usual) + self.chains / chain_work) * work;
         fits(work, budget).then_some(Decision { candidate: self, samples: n, chain_work, product })
@@ -149,7 +149,7 @@ mod tests {
                 let [_, mixed] = decide(&[candidate(1.0, 9.0, chains), LAMPS], usual);
                 let work = mixed.samples * mixed.candidate.work + mixed.chain_work;
                 assert!((WORK[0]..=WORK[1]).contains(&(work / (5.0 * usual))), "{mixed:?}");
-                assert!(mixed.chain_work >= LEAST_CHAINS * 5.0 * usual);
+                assert!(mixed.chain_work >= LEAST_CHAIN_WORK * 5.0 * usual);
             }
         }
     }

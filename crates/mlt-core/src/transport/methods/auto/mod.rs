@@ -27,8 +27,8 @@ use crate::transport::lights::{LightStrata, Stratification};
 use crate::transport::scene::{View, rays_traced};
 use chains::{Budget, most_walks, per_pixel, product, share_out};
 use constants::{
-    BRANCHES, CHAIN_PILOT, LEAST_SHARE, MOSTLY_HARD, MUTATIONS, MUTATIONS_PER_SAMPLE, PILOT_WALKS, PIXELS, REDUCTION,
-    ROUNDS, ROUNDS_OF_TIME, STEPS, TIME_OF_CHAINS, USUAL_PIXELS,
+    BRANCHES, CHAIN_PILOT, LEAST_SHARE, MOSTLY_HARD, MUTATIONS, PILOT_MUTATIONS_PER_SAMPLE, PILOT_WALKS, PIXELS,
+    REDUCTION, ROUNDS, ROUNDS_OF_TIME, STEPS, TIME_OF_CHAINS, USUAL_PIXELS,
 };
 use decide::{Candidate, Decision, better, decide};
 use levels::Levels;
@@ -210,7 +210,7 @@ impl Pilot<'_> {
         mutations: u64,
         weigh: &dyn Fn(&[f64]) -> Vec<f64>,
     ) -> Option<Chained> {
-        let share = Share { mutations, samples: mutations.div_ceil(MUTATIONS_PER_SAMPLE) };
+        let share = Share { mutations, samples: mutations.div_ceil(PILOT_MUTATIONS_PER_SAMPLE) };
         let walks = share.samples.max(PILOT_WALKS * u64::from(taken.view.camera.pixels()));
         let share_of =
             |stratum: &LightStratum| if stratum.is_met() { Share { samples: walks, ..share } } else { share };

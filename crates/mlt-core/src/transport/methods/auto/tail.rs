@@ -1,6 +1,6 @@
 //! The noise that chains tell of: what path tracing would leave without them, and what their own starts leave.
 
-use super::constants::{CHAIN_PILOT, MUTATIONS_PER_SAMPLE, TOLD_CHAINS};
+use super::constants::{CHAIN_PILOT, PILOT_MUTATIONS_PER_SAMPLE, TOLD_CHAINS};
 use super::split::Taken;
 use crate::engine::{
     CHAIN_LENGTH, Chain, Generator, Importance, Mixture, Purpose, Sink, Stratum, Watch, generator, uniform,
@@ -82,7 +82,8 @@ impl Tail<'_> {
     fn of_chain(&self, stratum: &LightStratum, index: u64, mutations: u64) -> [f64; 3] {
         let stream = |purpose| generator(self.seed, purpose, CHAIN_PILOT - 1, index, 0);
         let [mut rng, mut pick, mut steps] = [Purpose::Sample, Purpose::Start, Purpose::Chain].map(stream);
-        let (samples, mut total, mut start) = (mutations.div_ceil(MUTATIONS_PER_SAMPLE), 0.0, LightPath::default());
+        let (samples, mut total, mut start) =
+            (mutations.div_ceil(PILOT_MUTATIONS_PER_SAMPLE), 0.0, LightPath::default());
         for _ in 0..samples {
             stratum.sample(&mut rng, &mut |path, weight| {
                 let weight = weight * self.taken.eval(path);

@@ -45,6 +45,24 @@ pub enum Lens {
     },
 }
 
+impl CameraPose {
+    /// A pinhole at `from` that looks at `to` with +y up; `vertical_fov` in radians.
+    ///
+    /// Where the two points coincide it looks along -z, and where +y is the line of sight, -z is up.
+    pub fn look_at(from: DVec3, to: DVec3, vertical_fov: f32) -> Self {
+        let forward = (to - from).normalize_or(DVec3::NEG_Z);
+        let right = forward.cross(DVec3::Y).normalize_or(DVec3::X);
+        Self {
+            name: "look-at".to_owned(),
+            position: from,
+            forward: forward.as_vec3().normalize_or(Vec3::NEG_Z),
+            up: right.cross(forward).as_vec3().normalize_or(Vec3::Y),
+            lens: Lens::Pinhole { vertical_fov },
+            aspect_ratio: None,
+        }
+    }
+}
+
 impl Lens {
     /// Full vertical opening angle, radians; `None` for parallel rays.
     pub fn vertical_fov(&self) -> Option<f32> {

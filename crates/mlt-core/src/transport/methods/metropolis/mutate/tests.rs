@@ -24,8 +24,7 @@ use std::f64::consts::{PI, TAU};
 const MOST_EDGES: usize = 6;
 
 fn quad(corners: [[f64; 3]; 4], material: u32) -> Mesh {
-    let positions = corners.map(DVec3::from).to_vec();
-    Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], material, ..Mesh::default() }
+    Mesh { material, ..Mesh::quad(corners.map(DVec3::from)) }
 }
 
 fn ball(centre: DVec3, radius: f64, material: u32) -> Mesh {
