@@ -2,7 +2,6 @@
 
 mod connect;
 mod guide;
-mod lobe;
 mod met;
 mod sampler;
 

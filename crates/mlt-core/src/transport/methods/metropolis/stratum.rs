@@ -191,7 +191,7 @@ impl Stratum<LightPath> for LightStratum<'_> {
         let Bidirectional { view, region, .. } = &self.sampler;
         let ends = Ends::new(path, view, region, self.image_area());
         let density: f64 = mis::densities(path.vertices(), ends).sum();
-        if self.is_met() { density * self.by_chance().relative_density(path) } else { density }
+        if self.is_met() { density * self.by_chance().relative_density(path, self.image_area()) } else { density }
     }
 
     /// The stratum of what is met by chance counts as much as an average part of the lights.

@@ -1,67 +1,47 @@
-//! Where light comes from that mirrors and lenses gather, as photons tell.
+//! Photons by places, and the directions that they tell of.
 //!
-//! A path that nothing but a camera subpath meets (L S D S E) needs a direction at D that goes through S into the lamp. Light subpaths
-//! that go to D know such directions. They are kept as photons, at D with the last specular vertex before it. A camera subpath that comes
-//! to D takes its direction from the photons around it, or by the BSDF:
+//! A k-d tree over places and normals has leaves of a few photons each, and a linear [`Fit`] of the directions in each: light of one small lamp
+//! by one sequence of events comes from nearly one point, its image, so that its direction is a smooth function of the place.
 //!
-//! p(ω) = ½ p_s(ω) + ¼ q(ω; d, ε) + ¼ 1/n Σ_j q(ω; d_j, ε_j)                                                       (G1)
-//!
-//! with q a spherical Cauchy distribution ([`Lobe`]) about the direction d that a linear [`Fit`] foretells, or about the direction to
-//! the specular vertex of each photon. Photons are made once, before all rounds, by random numbers of their own, so rounds stay independent
-//! and unbiased whatever they tell.
-//!
-//! docs/theory-strata.md, section 8. Sources: [Jensen95], photons as a guide for path tracing; [KatoMcCullagh20], the distribution.
+//! docs/theory-strata.md, section 8.
 
 use super::lobe::Lobe;
-use crate::engine::{PILOT, Purpose, generator, uniform_f32};
+use crate::engine::uniform_f32;
 use crate::transport::geometry::Vertex;
 use crate::transport::geometry::math::cross;
-use crate::transport::lights::LightRegion;
-use crate::transport::methods::settings::Settings;
-use crate::transport::paths::PathVertex;
-use crate::transport::paths::subpath::{light_numbers, start_at_light, step_from_light};
-use crate::transport::scene::{View, rays_traced};
 use glam::{Mat3A, Vec3, Vec3A};
 use rand_pcg::rand_core::Rng;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Most photons that a place takes its directions from.
 const NEAR: usize = 16;
-/// Light subpaths for a sample of a round: they take a small part of its time.
-const PHOTONS: f64 = 2.0;
-/// Fewest and most of them.
-const LIMITS: [f64; 2] = [1024.0, 262_144.0];
-/// Number of a round that nothing else has.
-const ROUND: u64 = PILOT + (1 << 41);
-/// Most specular vertices of a light subpath, which may go on for ever between mirrors.
-const MOST_SPECULAR: usize = 32;
 /// Share of their mean square that is added to that of photons' places in a fit: they often lie in a plane.
 const RIDGE: f32 = 1e-3;
 /// Numbers that a fit of one coordinate in a plane has.
 const PARAMETERS: f32 = 3.0;
 
-/// Photons that came through specular surfaces to one that is not.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Guide {
-    /// In the order of the leaves of a k-d tree.
+/// A k-d tree of photons.
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    /// In the order of its leaves.
     photons: Vec<Photon>,
-    /// Its nodes, each before those of its halves; empty without photons.
+    /// Each before those of its halves.
     nodes: Vec<Node>,
     /// Length that a normal counts as: half of the photons' extent.
     size: f32,
 }
 
+/// Light that came to a place.
 #[derive(Clone, Copy, Debug)]
-struct Photon {
-    at: Place,
+pub(super) struct Photon {
+    pub(super) at: Place,
     /// The specular vertex that it came from.
-    from: Vec3A,
+    pub(super) from: Vec3A,
 }
 
 /// A point of a surface. Those of two walls are far apart in the tree, even in the corner.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+pub(super) struct Place {
     position: Vec3A,
     normal: Vec3A,
 }
@@ -89,61 +69,59 @@ struct Fit {
     width: f32,
 }
 
-impl Guide {
-    /// For a render, and the rays that it took; empty if the scene has no paths that only chance meets.
-    pub(crate) fn new(view: &View, settings: &Settings, lights: &LightRegion) -> (Self, u64) {
-        let samples = settings.per_pixel * f64::from(view.camera.pixels());
-        let walks = (PHOTONS * samples).clamp(LIMITS[0], LIMITS[1]) as u64;
-        let walks = if view.scene.needs().met_by_chance { walks } else { 0 };
-        Self::of_walks(view, lights, (walks, settings.most_edges()), settings.seed)
-    }
-
-    /// From so many light subpaths of at most `max_edges` edges, and the rays that they took.
-    fn of_walks(view: &View, lights: &LightRegion, (walks, max_edges): (u64, usize), seed: u64) -> (Self, u64) {
-        let walk = |i| {
-            let before = rays_traced();
-            let photon = photon(view, lights, max_edges, &mut generator(seed, Purpose::Sample, ROUND, 0, i));
-            (photon, rays_traced() - before)
-        };
-        let walks: Vec<_> = (0..walks).into_par_iter().map(walk).collect();
-        let guide = Self::of(walks.iter().filter_map(|(photon, _)| *photon).collect());
-        (guide, walks.iter().map(|(_, rays)| rays).sum())
-    }
-
-    fn of(photons: Vec<Photon>) -> Self {
+impl Tree {
+    /// Of one photon or more.
+    pub(super) fn new(photons: Vec<Photon>) -> Self {
         let (low, high) = bounds(&photons, |photon| photon.at.position);
-        let mut guide = Self { size: 0.5 * (high - low).max_element().max(0.0), photons, nodes: Vec::new() };
-        if !guide.photons.is_empty() {
-            guide.part(0..guide.photons.len());
-        }
-        guide
+        let mut it = Self { size: 0.5 * (high - low).max_element(), photons, nodes: Vec::new() };
+        it.part(0..it.photons.len());
+        it
     }
 
-    /// Draws a direction at x; nothing where there are no photons.
-    pub(crate) fn sample(&self, x: &Vertex, rng: &mut impl Rng) -> Option<Vec3A> {
-        let (photons, fit) = self.near(x)?;
+    /// Number of photons.
+    pub(super) fn len(&self) -> usize {
+        self.photons.len()
+    }
+
+    /// Draws a direction at x.
+    pub(super) fn sample(&self, x: &Vertex, rng: &mut impl Rng) -> Vec3A {
+        let (photons, fit) = self.near(x);
         let (fitted, chosen) = (uniform_f32(rng) < 0.5, uniform_f32(rng));
         let of_photon = || photons[(chosen * photons.len() as f32) as usize].lobe(x.position);
         let lobe = if fitted { fit.lobe(x.position) } else { of_photon() };
-        Some(lobe.sample(uniform_f32(rng), uniform_f32(rng)))
+        lobe.sample(uniform_f32(rng), uniform_f32(rng))
     }
 
-    /// The density of the directions that [`sample`](Self::sample) draws, sr⁻¹; nothing where there are no photons.
-    pub(crate) fn density(&self, x: &Vertex, direction: Vec3A) -> Option<f32> {
-        let (photons, fit) = self.near(x)?;
+    /// The density of the directions that [`sample`](Self::sample) draws, sr⁻¹.
+    pub(super) fn density(&self, x: &Vertex, direction: Vec3A) -> f32 {
+        let (photons, fit) = self.near(x);
         let of_photons: f32 = photons.iter().map(|photon| photon.lobe(x.position).density(direction)).sum();
-        Some(0.5 * (fit.lobe(x.position).density(direction) + of_photons / photons.len() as f32))
+        0.5 * (fit.lobe(x.position).density(direction) + of_photons / photons.len() as f32)
+    }
+
+    /// Places of about so many photons, evenly among those that lie around one another, with the root of the mean square of their distance
+    /// from the middle of the photons around.
+    pub(super) fn places(&self, count: usize) -> impl Iterator<Item = (Vec3A, f32)> {
+        let step = self.photons.len().div_ceil(count).max(1);
+        let of_leaf = |node: &Node| match node {
+            Node::Leaf(photons, fit) => Some((photons.clone(), fit.scale)),
+            Node::Halves { .. } => None,
+        };
+        self.nodes.iter().filter_map(of_leaf).flat_map(move |(photons, scale)| {
+            let extent = if scale > 0.0 { scale.recip() } else { 0.0 };
+            photons.filter(move |i| i.is_multiple_of(step)).map(move |i| (self.photons[i].at.position, extent))
+        })
     }
 
     /// The photons of the leaf that x is in.
-    fn near(&self, x: &Vertex) -> Option<(&[Photon], &Fit)> {
+    fn near(&self, x: &Vertex) -> (&[Photon], &Fit) {
         let (x, mut node) = (Place::of(x), 0);
         loop {
-            match self.nodes.get(node)? {
+            match &self.nodes[node] {
                 &Node::Halves { axis, at, other } => {
                     node = if x.coordinate(axis, self.size) < at { node + 1 } else { other }
                 }
-                Node::Leaf(photons, fit) => return Some((&self.photons[photons.clone()], fit)),
+                Node::Leaf(photons, fit) => return (&self.photons[photons.clone()], fit),
             }
         }
     }
@@ -189,7 +167,7 @@ fn bounds(photons: &[Photon], vector: impl Fn(&Photon) -> Vec3A) -> (Vec3A, Vec3
 }
 
 impl Place {
-    fn of(vertex: &Vertex) -> Self {
+    pub(super) fn of(vertex: &Vertex) -> Self {
         Self { position: vertex.position, normal: vertex.geometric_normal }
     }
 
@@ -240,24 +218,10 @@ impl Photon {
     }
 }
 
-/// A light subpath's first vertex that is not specular, if all before it are and there are some.
-fn photon(view: &View, lights: &LightRegion, max_edges: usize, rng: &mut impl Rng) -> Option<Photon> {
-    let (x_0, _) = start_at_light(view, lights, light_numbers(rng));
-    let mut vertices = vec![x_0];
-    for i in 0..max_edges.saturating_sub(1).min(MOST_SPECULAR) {
-        vertices.push(PathVertex::new(x_0.vertex));
-        step_from_light(&mut vertices, i, view, rng)?;
-        let [from, x] = [vertices[i].vertex, vertices[i + 1].vertex];
-        if !x.delta {
-            return (i > 0).then_some(Photon { at: Place::of(&x), from: from.position });
-        }
-    }
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::{Purpose, generator};
     use crate::transport::geometry::math::unit;
 
     /// All rays of a point behind a mirror come from the point's image, wherever they arrive: the fit knows it, single photons do not.
@@ -270,14 +234,13 @@ mod tests {
             let from = position + (image - position) / (image.y - position.y);
             Photon { at: Place { position, normal: Vec3A::Y }, from }
         };
-        let guide = Guide::of((0..NEAR as u64).map(photon).collect());
+        let tree = Tree::new((0..NEAR as u64).map(photon).collect());
         let vertex = Vertex::camera(Vec3A::new(0.07, 0.0, 0.13), Vec3A::Y);
-        let ((photons, fit), x) = (guide.near(&vertex).expect("photons"), vertex.position);
+        let ((photons, fit), x) = (tree.near(&vertex), vertex.position);
         let right = unit(image - x);
         assert!(fit.lobe(x).axis.distance(right) < 2e-3, "{fit:?}");
         let of_photons = photons.iter().map(|photon| photon.lobe(x).density(right)).sum::<f32>() / NEAR as f32;
         assert!(fit.lobe(x).density(right) > 100.0 * of_photons, "{of_photons}");
-        assert_eq!(Guide::default().density(&vertex, right), None);
     }
 
     /// The floor's and the wall's are not mixed up in the corner.
@@ -291,9 +254,9 @@ mod tests {
             };
             Photon { at: Place { position, normal }, from: position + Vec3A::ONE }
         };
-        let guide = Guide::of((0..96).map(photon).collect());
+        let tree = Tree::new((0..96).map(photon).collect());
         for normal in [Vec3A::Y, Vec3A::Z] {
-            let (photons, _) = guide.near(&Vertex::camera(Vec3A::new(3.0, 0.0, 0.0), normal)).expect("photons");
+            let (photons, _) = tree.near(&Vertex::camera(Vec3A::new(3.0, 0.0, 0.0), normal));
             assert!(photons.iter().all(|photon| photon.at.normal == normal), "{normal} {photons:?}");
         }
     }
@@ -307,13 +270,13 @@ mod tests {
                 |i: usize| Place { position: at(i), normal: if i.is_multiple_of(4) { Vec3A::X } else { Vec3A::Y } };
             let photon = |i: usize| Photon { at: place(i), from: at(i) + Vec3A::Y * size * (i % 2) as f32 };
             for count in [1, 2, 5, 40] {
-                let guide = Guide::of((0..count).map(photon).collect());
+                let tree = Tree::new((0..count).map(photon).collect());
                 for i in 0..20 {
                     let x = Vertex::camera(at(i), Vec3A::Y);
-                    let direction = guide.sample(&x, &mut generator(3, Purpose::Sample, 0, 0, i as u64));
-                    let density = direction.and_then(|direction| guide.density(&x, direction));
-                    assert!(direction.is_some_and(|d| (d.length() - 1.0).abs() < 1e-5), "{size} {count} {direction:?}");
-                    assert!(density.is_some_and(|p| p > 0.0 && p.is_finite()), "{size} {count} {density:?}");
+                    let direction = tree.sample(&x, &mut generator(3, Purpose::Sample, 0, 0, i as u64));
+                    let density = tree.density(&x, direction);
+                    assert!((direction.length() - 1.0).abs() < 1e-5, "{size} {count} {direction:?}");
+                    assert!(density > 0.0 && density.is_finite(), "{size} {count} {density:?}");
                 }
             }
         }
