@@ -1,7 +1,7 @@
 """Compares scattering functions pair by pair: `tables.py PROGRAM`, which is the example bsdf_table of mlt-core.
 
 Of a surface with values a (Mitsuba) and b (`mlt`) the difference is max |a − b| / max(|a|, 10⁻³ max |a|) over the pairs of directions; so it is of
-densities. Of metal with light that is reflected more than once, which `mlt` interpolates from a table, it is max |a − b| / (|a| + cosθ/π), the error beside
+densities. Of metal and glass with light that meets them more than once, which `mlt` interpolates, it is max |a − b| / (|a| + cosθ/π), the error beside
 a white diffuse surface. As a control each surface is compared with one whose roughness, index of refraction or reflectance is 5 % greater, which has to
 be further apart than the bound: infinitely where light is refracted into another direction.
 
@@ -21,8 +21,9 @@ import microfacets
 
 # f32 has 6·10⁻⁸; the normal that refracts one direction into another loses a hundred times that.
 ROUNDING = 1e-4
-# Of the table of what is reflected more than once: docs/theory-surfaces.md.
+# Of the tables of what meets a surface more than once: docs/theory-surfaces.md.
 TABLE = 3e-3
+TABULATED = ("metal", "whole_glass")
 
 
 def read(program):
@@ -68,13 +69,15 @@ def described(surface):
     kind, along, across, ior, reflectance = surface
     colour = {"type": "rgb", "value": reflectance}
     interface = {"int_ior": ior, "ext_ior": 1.0}
+    glass = {"type": "roughdielectric", "distribution": "ggx", "alpha": along, **interface}
     metal = {"type": "principled", "base_color": colour, "metallic": 1.0, "roughness": along**0.5}
     return {
         "lambert": {"type": "diffuse", "reflectance": colour},
         "facets": {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha_u": along, "alpha_v": across},
         "schlick": metal,
         "metal": metal,
-        "rough_glass": {"type": "roughdielectric", "distribution": "ggx", "alpha": along, **interface},
+        "rough_glass": glass,
+        "whole_glass": glass,
         "glass": {"type": "dielectric", **interface},
         "wall": {"type": "thindielectric", **interface},
     }[kind]
@@ -82,7 +85,7 @@ def described(surface):
 
 def by_mitsuba(surface, rows):
     """Values and densities of a surface of the table."""
-    kind, along, across, _, reflectance = surface
+    kind, along, across, ior, reflectance = surface
     bsdf = mi.load_dict(described(surface))
     if kind in ("glass", "wall"):
         return drawn(bsdf, rows)
@@ -90,16 +93,18 @@ def by_mitsuba(surface, rows):
     if kind != "lambert":
         made = microfacets.heights_correlated(made, rows, along, across)
     if kind == "metal":
-        made[:, 0] += microfacets.met_again(rows, reflectance, along)
+        made[:, 0] += microfacets.reflected_again(rows, reflectance, along)
+    if kind == "whole_glass":
+        made[:, 0] += microfacets.met_again(rows, ior, along)
     return made
 
 
 def apart(kind, truth, rows):
-    """The greatest relative difference of values and of densities; metal has its own densities."""
+    """The greatest relative difference of values and of densities; those of light that is met more than once are left out."""
     (a, p), (b, q) = truth.T, rows[:, 6:].T
     beside = lambda a: np.maximum(np.abs(a), max(1e-3 * np.abs(a).max(), 1e-30))
     worst = lambda off: np.nan_to_num(off, nan=np.inf).max()
-    if kind == "metal":
+    if kind in TABULATED:
         return worst(np.abs(a - b) / (np.abs(a) + np.abs(rows[:, 5]) / np.pi)), 0.0
     return worst(np.abs(a - b) / beside(a)), worst(np.abs(p - q) / beside(p))
 
@@ -119,7 +124,7 @@ def judge(surface, rows):
     kind, along, across, ior, reflectance = surface
     values, densities = apart(kind, by_mitsuba(surface, rows), rows)
     control, _ = apart(kind, by_mitsuba(detuned(surface), rows), rows)
-    bound = TABLE if kind == "metal" else ROUNDING
+    bound = TABLE if kind in TABULATED else ROUNDING
     right = max(values, densities) <= bound < control
     line = f"{kind} α {along:g}×{across:g} η {ior:g} ρ {reflectance:g}".ljust(34) + f" {'right' if right else 'WRONG'} {len(rows):5} pairs"
     print(f"{line}  f {values:.0e}  p {densities:.0e}  of {bound:.0e}  control {control:.0e}", flush=True)
