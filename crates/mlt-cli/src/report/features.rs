@@ -25,7 +25,10 @@ const FEATURES: [(&str, [&str; 2]); 12] = [
     ),
     (
         "light that only chance meets",
-        ["chains of it start from rays of its own, which photons guide", "no rays look for what only chance meets"],
+        [
+            "chains of it start from rays of its own, which photons and glimpses guide",
+            "no rays look for what only chance meets",
+        ],
     ),
     ("narrow gloss", ["chains keep the slope at which a narrow lobe mirrors", "chains turn all directions by angles"]),
     ("transparency", ["shadow rays ask the opacity of what they meet", "shadow rays end at the first surface"]),

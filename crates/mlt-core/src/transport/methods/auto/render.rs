@@ -34,7 +34,7 @@ pub(super) struct Common {
     pub(super) importance: PixelImportance,
     /// All lights.
     pub(super) lights: LightRegion,
-    /// Where light that is met by chance comes from.
+    /// Where light that is met by chance comes from and is seen.
     pub(super) guide: Guide,
 }
 

@@ -4,7 +4,7 @@
 //! at the first surface, so that a sample is hardly more than one ray. A [`Guide`] knows where such light is seen, and at vertices that are not
 //! specular where it comes from.
 
-use super::guide::{Events, Guide, Images};
+use super::guide::{Events, Glimpses, Guide};
 use super::sampler::{Bidirectional, SCRATCH, Scratch};
 use crate::engine::uniform_f32;
 use crate::transport::paths::mis::connectible;
@@ -14,8 +14,8 @@ use crate::transport::scene::Resolved;
 use glam::{DVec3, Vec2};
 use rand_pcg::rand_core::Rng;
 
-/// Share of camera subpaths that begin in an image; a power of two.
-const OF_IMAGES: f32 = 0.25;
+/// Share of camera subpaths that begin in a glimpse.
+const GLIMPSED: f32 = 0.25;
 
 /// Draws camera subpaths that no connection could end.
 #[derive(Clone, Copy, Debug)]
@@ -25,21 +25,21 @@ pub(crate) struct ByChance<'a> {
 }
 
 impl ByChance<'_> {
-    /// Draws a camera subpath through a film point, or through one of an image, and shows `visit` each path that ends on a light it meets, with
+    /// Draws a camera subpath through a film point, or through one of a glimpse, and shows `visit` each path that ends on a light it meets, with
     /// its weight 1/p: see [`Bidirectional::sample_through`]. Weights are right for paths that no connection makes.
     pub(crate) fn sample(&self, film: Vec2, area: f64, rng: &mut impl Rng, visit: &mut impl FnMut(&LightPath, f64)) {
-        match self.images().filter(|_| uniform_f32(rng) < OF_IMAGES) {
+        match self.glimpses().filter(|_| uniform_f32(rng) < GLIMPSED) {
             None => self.sample_through(film, None, area, rng, visit),
-            Some(images) => {
-                if let Some((film, events)) = images.sample(rng) {
+            Some(glimpses) => {
+                if let Some((film, events)) = glimpses.sample(rng) {
                     self.sample_through(film, Some(events), area, rng, visit);
                 }
             }
         }
     }
 
-    fn images(&self) -> Option<&Images> {
-        self.guide.map(|guide| &guide.images).filter(|images| !images.is_empty())
+    fn glimpses(&self) -> Option<&Glimpses> {
+        self.guide.map(|guide| &guide.glimpses).filter(|glimpses| !glimpses.is_empty())
     }
 
     /// Draws a camera subpath that begins with given events, or with any.
@@ -70,7 +70,7 @@ impl ByChance<'_> {
                     continue;
                 }
                 if let Some(weight) = self.sampler.connect(scratch, [0, t], area) {
-                    let factor = factor / self.of_images(&scratch.path, area);
+                    let factor = factor / self.of_glimpses(&scratch.path, area);
                     visit(&scratch.path, weight * factor / scratch.eye.carried(t).survival);
                 }
             }
@@ -130,7 +130,7 @@ impl ByChance<'_> {
 
     /// The density of a path over that of a camera subpath without a guide.
     pub(crate) fn relative_density(&self, path: &LightPath, area: f64) -> f64 {
-        self.of_photons(path) * self.of_images(path, area)
+        self.of_photons(path) * self.of_glimpses(path, area)
     }
 
     /// The same where film points are drawn without a guide.
@@ -140,14 +140,14 @@ impl ByChance<'_> {
     }
 
     /// The same where all else is drawn without one: (G2).
-    fn of_images(&self, path: &LightPath, area: f64) -> f64 {
-        let (view, part) = (&self.sampler.view, f64::from(OF_IMAGES));
-        self.images().map_or(1.0, |images| 1.0 - part + part * area * images.relative_density(path, view))
+    fn of_glimpses(&self, path: &LightPath, area: f64) -> f64 {
+        let (view, part) = (&self.sampler.view, f64::from(GLIMPSED));
+        self.glimpses().map_or(1.0, |glimpses| 1.0 - part + part * area * glimpses.relative_density(path, view))
     }
 }
 
-/// Takes in x_{i−1}, whose density is that by the BSDF over `quotient`, and that of the subpath the one by BSDFs over `factor`, unless
-/// roulette ends the subpath: as if there were no guide, as what a guide finds has a small throughput.
+/// Takes in x_{i−1}, unless roulette ends the subpath. `quotient` and `factor`: the densities of the vertex and of the whole subpath by BSDFs,
+/// over those that they have. Roulette goes by the throughput without a guide: with one it is small where the guide is right.
 fn extend(scratch: &mut Scratch, i: usize, [quotient, factor]: [f64; 2], rng: &mut impl Rng) -> bool {
     let [x, y] = [&scratch.eye.vertices[i], &scratch.eye.vertices[i - 1]];
     let change: DVec3 = x.scatter.as_dvec3() * (y.geometric_term / y.reverse * quotient);
@@ -166,7 +166,7 @@ mod tests {
     use crate::transport::tests::worlds::{World, blurred, glass, lambert, mirror, parallel, room, two_lights};
 
     /// Light of paths through the part of the film between two corners, and of those of them with a vertex that is not specular; then the
-    /// negative controls, the former with weights as if nothing knew of images, the latter as if nothing knew of photons, but no more than
+    /// negative controls, the former with weights as if nothing knew of glimpses, the latter as if nothing knew of photons, but no more than
     /// four times as large, so that noise does not hide it. Means and their variances.
     fn moments(by_chance: ByChance, [low, high]: [Vec2; 2], samples: u64) -> [[f64; 2]; 4] {
         let (mut sums, area) = ([[0.0; 2]; 4], f64::from((high - low).element_product()));
@@ -178,8 +178,8 @@ mod tests {
                 if inside && met_by_chance(x) {
                     let value = weight * Luminance.eval(path);
                     let rough = f64::from(u8::from(x[1..x.len() - 1].iter().any(|x| !x.vertex.delta)));
-                    let [images, photons] = [by_chance.of_images(path, area), by_chance.of_photons(path)];
-                    let factors = [1.0, rough, images.min(4.0), rough * photons.min(4.0)];
+                    let [glimpses, photons] = [by_chance.of_glimpses(path, area), by_chance.of_photons(path)];
+                    let factors = [1.0, rough, glimpses.min(4.0), rough * photons.min(4.0)];
                     found.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += value * factor);
                 }
             });
@@ -195,7 +195,7 @@ mod tests {
         (a[0] - b[0]) / (a[1] + b[1]).sqrt()
     }
 
-    /// What is found without a guide, and with one.
+    /// Light that is found without a guide, and with one.
     fn found(world: &World, part: [Vec2; 2]) -> [[[f64; 2]; 4]; 2] {
         let (view, region) = (world.view(), &LightRegion::whole(world.scene.lights()));
         let (guide, rays) = Guide::new(&view, &Settings::new(Method::Auto, 16.0), region);

@@ -22,7 +22,7 @@ pub(super) struct PathChains<'a> {
     importance: PixelImportance,
     /// All lights.
     lights: LightRegion,
-    /// Where light that is met by chance comes from, if that is a stratum of its own.
+    /// Where light that is met by chance comes from and is seen, if that is a stratum of its own.
     guide: Guide,
 }
 

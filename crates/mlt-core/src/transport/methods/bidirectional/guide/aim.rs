@@ -36,6 +36,8 @@ pub(super) struct Sight {
     pub(super) probability: f64,
     /// x.
     pub(super) film: DVec2,
+    /// Key of the random numbers by which surfaces that are not opaque let it pass.
+    key: u64,
     /// Where it ends.
     pub(super) end: Vertex,
 }
@@ -48,17 +50,17 @@ impl Goal {
 }
 
 impl Sight {
-    /// The ray through a film point, at whose specular surfaces `refracts` chooses, if it has so many; `None` if it leaves the scene, or goes
+    /// The ray of a key through a film point, at whose specular surfaces `refracts` chooses, if it has so many; `None` if it leaves the scene, or goes
     /// on for ever.
     pub(super) fn new(
         view: &View,
-        film: DVec2,
+        (film, key): (DVec2, u64),
         mut refracts: impl FnMut(usize, &Vertex, Vec3A) -> Option<bool>,
     ) -> Option<Self> {
-        if film.cmplt(DVec2::ZERO).any() || film.cmpge(DVec2::ONE).any() {
+        if !(film.cmpge(DVec2::ZERO).all() && film.cmplt(DVec2::ONE).all()) {
             return None;
         }
-        let rng = &mut generator(0, Purpose::Image, 0, 0, 0);
+        let rng = &mut generator(key, Purpose::Sample, 0, 0, 0);
         let ray = view.camera.sample(film.as_vec2(), &view.camera.vertex());
         let mut direction = ray.direction();
         let (mut end, _) = view.scene.follow_camera_ray(ray.origin, direction, rng)?;
@@ -73,12 +75,12 @@ impl Sight {
             (end, _) = view.scene.follow(&end, next, rng)?;
             direction = next;
         }
-        Some(Self { events, probability, film, end })
+        Some(Self { events, probability, film, key, end })
     }
 
     /// The ray through another film point with the same events.
     fn through(&self, view: &View, film: DVec2) -> Option<Self> {
-        let moved = Self::new(view, film, |number, _, _| self.events.get(number))?;
+        let moved = Self::new(view, (film, self.key), |number, _, _| self.events.get(number))?;
         (moved.events == self.events).then_some(moved)
     }
 

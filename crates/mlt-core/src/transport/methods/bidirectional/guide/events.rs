@@ -1,4 +1,4 @@
-//! What happens to a camera ray at the specular surfaces that it meets first.
+//! Reflections and refractions at the specular surfaces that a ray meets first.
 
 use crate::transport::paths::PathVertex;
 use crate::transport::scene::{Resolved, View};

@@ -1,10 +1,10 @@
-//! What is known of light that only chance meets before the first round: where it comes from, and where it is seen.
+//! Knowledge of light that only chance meets, from before the first round: where it comes from, and where it is seen.
 //!
 //! Both are found once, by random numbers of their own, so rounds stay independent and unbiased whatever they tell.
 
 mod aim;
 mod events;
-mod images;
+mod glimpses;
 mod lobe;
 mod photons;
 mod tree;
@@ -14,14 +14,14 @@ use crate::transport::methods::settings::Settings;
 use crate::transport::scene::View;
 
 pub(super) use events::Events;
-pub(super) use images::Images;
+pub(super) use glimpses::Glimpses;
 pub(super) use photons::Photons;
 
 /// Directions and film points for light that only chance meets.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Guide {
     pub(super) photons: Photons,
-    pub(super) images: Images,
+    pub(super) glimpses: Glimpses,
 }
 
 impl Guide {
@@ -31,7 +31,7 @@ impl Guide {
             return (Self::default(), 0);
         }
         let (photons, of_photons) = Photons::new(view, settings, lights);
-        let (images, of_images) = Images::new(view, settings, lights, &photons);
-        (Self { photons, images }, of_photons + of_images)
+        let (glimpses, of_glimpses) = Glimpses::new(view, settings, lights, &photons);
+        (Self { photons, glimpses }, of_photons + of_glimpses)
     }
 }

@@ -25,7 +25,7 @@ use rand_pcg::rand_core::Rng;
 use rayon::prelude::*;
 
 /// Light subpaths for a sample of a round: they take a small part of its time.
-const PHOTONS: f64 = 2.0;
+const PHOTONS_PER_SAMPLE: f64 = 2.0;
 /// Fewest and most of them.
 const LIMITS: [f64; 2] = [1024.0, 262_144.0];
 /// Number of a round that nothing else has.
@@ -44,7 +44,7 @@ impl Photons {
     /// For a render, and the rays that it took.
     pub(super) fn new(view: &View, settings: &Settings, lights: &LightRegion) -> (Self, u64) {
         let samples = settings.per_pixel * f64::from(view.camera.pixels());
-        let walks = (PHOTONS * samples).clamp(LIMITS[0], LIMITS[1]) as u64;
+        let walks = (PHOTONS_PER_SAMPLE * samples).clamp(LIMITS[0], LIMITS[1]) as u64;
         let walk = |i: u64| {
             let before = rays_traced();
             let rng = &mut generator(settings.seed, Purpose::Sample, ROUND, 0, i);

@@ -2,13 +2,13 @@
 //!
 //! A curved mirror shows a lamp as a glint, and a caustic as a bright spot at its rim, which may be a thousandth of a pixel. A reflection in
 //! glass may be one of ten thousand choices besides. Random camera subpaths meet either once in many renders, but surely end somewhere near: from
-//! there such light is aimed at ([`Sight`]). What is found are images: events e_k, from the eye on, and a lobe q_k of film points. A
-//! quarter of the camera subpaths take theirs from one of K images, which makes a path with film point x and events e, which a subpath chooses with
+//! there such light is aimed at ([`Sight`]). Glimpses are found: events e_k, from the eye on, and a lobe q_k of film points. A
+//! quarter of the camera subpaths take theirs from one of K glimpses, which makes a path with film point x and events e, which a subpath chooses with
 //! probability P,
 //!
 //! r(x) = ¾ + ¼ A/(K P) Σ_{k: e_k = e} q_k(x),   q(x) = 1/(2π |Σ|^½ (1 + (x − x̄)ᵀ Σ⁻¹ (x − x̄))^(3/2))                    (G2)
 //!
-//! times as likely as without images, if A is the part of the film that other subpaths are drawn from. q is a Cauchy distribution of the plane,
+//! times as likely as without glimpses, if A is the part of the film that other subpaths are drawn from. q is a Cauchy distribution of the plane,
 //! with x̄ where the ray comes to its goal and Σ what the slopes make of the goal's extent.
 //!
 //! docs/theory-strata.md, section 8.
@@ -28,32 +28,32 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Camera rays for a sample of a round, and fewest and most of them: they take a small part of its time.
-const SIGHTS: f64 = 0.5;
+const SIGHTS_PER_SAMPLE: f64 = 0.5;
 const LIMITS: [f64; 2] = [1024.0, 65_536.0];
 /// Goals of each kind for a sample of a round, and fewest and most of them.
-const GOALS: f64 = 1.0 / 1024.0;
+const GOALS_PER_SAMPLE: f64 = 1.0 / 1024.0;
 const GOAL_LIMITS: [f64; 2] = [32.0, 256.0];
 /// Most different events.
 const MOST_EVENTS: usize = 32;
 /// Least probability of events: no render has many more camera subpaths.
 const LEAST_PROBABILITY: f64 = 1e-7;
-/// Rays that goals are aimed at from by turns, so that several images of one goal are found.
+/// Rays that goals are aimed at from by turns, so that several glimpses of one goal are found.
 const TURNS: usize = 4;
 /// Least and largest width of a lobe, in widths of the film.
 const WIDTHS: [f64; 2] = [4e-6, 0.05];
 /// Number of a round that nothing else has.
 const ROUND: u64 = PILOT + (1 << 42);
 
-/// Images of lights, and of what lights illuminate through specular surfaces.
+/// Glimpses of lights, and of surfaces that are lit through specular ones.
 #[derive(Clone, Debug, Default)]
-pub(in crate::transport::methods::bidirectional) struct Images {
+pub(in crate::transport::methods::bidirectional) struct Glimpses {
     /// Sorted by events.
-    images: Vec<Image>,
+    list: Vec<Glimpse>,
 }
 
 /// One of them.
 #[derive(Clone, Copy, Debug)]
-struct Image {
+struct Glimpse {
     events: Events,
     /// x̄.
     middle: DVec2,
@@ -61,7 +61,7 @@ struct Image {
     root: [f64; 3],
 }
 
-impl Image {
+impl Glimpse {
     /// Of the surroundings of a goal, as large as the slopes a and b of a ray that ends there make them.
     fn new(sight: &Sight, [a, b]: [DVec3; 2], goal: &Goal) -> Option<Self> {
         let square = goal.extent * goal.extent;
@@ -73,8 +73,8 @@ impl Image {
         let first = xx.sqrt();
         let below = xy / first;
         let second = (yy - below * below).sqrt();
-        let image = Self { events: sight.events, middle: sight.film, root: [first, below, second] };
-        (second > 0.0 && second.is_finite() && first.is_finite()).then_some(image)
+        let glimpse = Self { events: sight.events, middle: sight.film, root: [first, below, second] };
+        (second > 0.0 && second.is_finite() && first.is_finite()).then_some(glimpse)
     }
 
     /// q.
@@ -89,58 +89,60 @@ impl Image {
     /// By inversion of the distribution of the distance, 1 − 1/√(1 + d²).
     fn sample(&self, u: f64, v: f32) -> DVec2 {
         let ([first, below, second], about) = (self.root, turn(v).as_dvec2());
-        let DVec2 { x, y } = ((1.0 - u).powi(-2) - 1.0).sqrt() * about;
+        let rest = 1.0 - u;
+        let DVec2 { x, y } = (1.0 / (rest * rest) - 1.0).sqrt() * about;
         self.middle + DVec2::new(first * x, below * x + second * y)
     }
 }
 
-impl Images {
+impl Glimpses {
     /// For a render, and the rays that it took.
     pub(super) fn new(view: &View, settings: &Settings, lights: &LightRegion, photons: &Photons) -> (Self, u64) {
         let samples = settings.per_pixel * f64::from(view.camera.pixels());
-        let sights = (SIGHTS * samples).clamp(LIMITS[0], LIMITS[1]) as u64;
-        let goals = (GOALS * samples).clamp(GOAL_LIMITS[0], GOAL_LIMITS[1]) as usize;
-        let (sights, of_sights) = sights_at_random(view, sights, settings.seed);
+        let sights = (SIGHTS_PER_SAMPLE * samples).clamp(LIMITS[0], LIMITS[1]) as u64;
+        let goals = (GOALS_PER_SAMPLE * samples).clamp(GOAL_LIMITS[0], GOAL_LIMITS[1]) as usize;
+        let (sights, of_sights) = sights_at_random(view, (sights, settings.most_edges()), settings.seed);
         let goals = goals_of(view, lights, photons, goals, settings.seed);
-        let (images, of_images) = aimed(view, &by_events(sights), &goals);
-        (Self { images }, of_sights + of_images)
+        let (glimpses, of_glimpses) = aimed(view, &by_events(sights), &goals);
+        (Self { list: glimpses }, of_sights + of_glimpses)
     }
 
     pub(in crate::transport::methods::bidirectional) fn is_empty(&self) -> bool {
-        self.images.is_empty()
+        self.list.is_empty()
     }
 
-    /// Draws an image, and a film point from it; `None` outside the film.
+    /// Draws a glimpse, and a film point from it; `None` outside the film.
     pub(in crate::transport::methods::bidirectional) fn sample(&self, rng: &mut impl Rng) -> Option<(Vec2, Events)> {
         let (chosen, u, v) = (uniform(rng), uniform(rng), uniform_f32(rng));
-        let image = &self.images[(chosen * self.images.len() as f64) as usize];
-        let film = image.sample(u, v).as_vec2();
-        (film.cmpge(Vec2::ZERO).all() && film.cmplt(Vec2::ONE).all()).then_some((film, image.events))
+        let glimpse = &self.list[(chosen * self.list.len() as f64) as usize];
+        let film = glimpse.sample(u, v).as_vec2();
+        (film.cmpge(Vec2::ZERO).all() && film.cmplt(Vec2::ONE).all()).then_some((film, glimpse.events))
     }
 
     /// 1/(K P) Σ_k q_k(x).
     pub(in crate::transport::methods::bidirectional) fn relative_density(&self, path: &LightPath, view: &View) -> f64 {
         let Some((events, probability)) = Events::of(path.vertices(), view) else { return 0.0 };
-        let first = self.images.partition_point(|image| image.events < events);
-        let of_events = self.images[first..].iter().take_while(|image| image.events == events);
-        let sum: f64 = of_events.map(|image| image.density(path.film.as_dvec2())).sum();
-        sum / (self.images.len() as f64 * probability)
+        let first = self.list.partition_point(|glimpse| glimpse.events < events);
+        let of_events = self.list[first..].iter().take_while(|glimpse| glimpse.events == events);
+        let sum: f64 = of_events.map(|glimpse| glimpse.density(path.film.as_dvec2())).sum();
+        sum / (self.list.len() as f64 * probability)
     }
 }
 
-/// Camera rays through random film points with random events, if they have any.
-fn sights_at_random(view: &View, count: u64, seed: u64) -> (Vec<Sight>, u64) {
+/// Camera rays through random film points with random events, if they have any that paths of at most `max_edges` edges may have.
+fn sights_at_random(view: &View, (count, max_edges): (u64, usize), seed: u64) -> (Vec<Sight>, u64) {
     let sight = |i| {
         let before = rays_traced();
         let rng = &mut generator(seed, Purpose::Sample, ROUND, 0, i);
         let film = Vec2::new(uniform_f32(rng), uniform_f32(rng)).as_dvec2();
-        let sight = Sight::new(view, film, |_, x, to_eye| {
+        let sight = Sight::new(view, (film, i), |_, x, to_eye| {
             let refracts = uniform_f32(rng) < 0.5;
             let mut room = Resolved::default();
             let possible = view.scene.surface(x, &mut room).delta_direction(to_eye, refracts).is_some();
-            Some(refracts == possible)
+            Some(if possible { refracts } else { !refracts })
         });
-        let counts = |sight: &Sight| sight.events.len() > 0 && sight.probability > LEAST_PROBABILITY;
+        let counts =
+            |sight: &Sight| (1..max_edges).contains(&sight.events.len()) && sight.probability > LEAST_PROBABILITY;
         (sight.filter(counts), rays_traced() - before)
     };
     let found: Vec<_> = (0..count).into_par_iter().map(sight).collect();
@@ -174,23 +176,24 @@ fn goals_of(view: &View, lights: &LightRegion, photons: &Photons, count: usize, 
     of_lights.chain(of_photons).collect()
 }
 
-/// The images of all goals by all events, where they make paths more likely.
-fn aimed(view: &View, groups: &[Vec<Sight>], goals: &[Goal]) -> (Vec<Image>, u64) {
+/// The glimpses of all goals by all events, where they make paths more likely.
+fn aimed(view: &View, groups: &[Vec<Sight>], goals: &[Goal]) -> (Vec<Glimpse>, u64) {
     let aim = |(sights, number): (&Vec<Sight>, usize)| {
         let (before, goal) = (rays_traced(), &goals[number]);
         let turns = TURNS.min(sights.len());
         let by_turns = sights.iter().skip(number % turns).step_by(turns);
         let nearest = by_turns.min_by(|a, b| goal.distance(&a.end).total_cmp(&goal.distance(&b.end)));
-        let image = nearest.filter(|sight| goal.distance(&sight.end).is_finite()).and_then(|sight| {
+        let glimpse = nearest.filter(|sight| goal.distance(&sight.end).is_finite()).and_then(|sight| {
             let (sight, slopes) = sight.aimed(view, goal)?;
-            let image = Image::new(&sight, slopes, goal)?;
-            (image.density(image.middle) > 2.0 * goals.len() as f64 * sight.probability).then_some(image)
+            let glimpse = Glimpse::new(&sight, slopes, goal)?;
+            let likely = 2.0 * goals.len() as f64 * sight.probability;
+            (sight.probability > LEAST_PROBABILITY && glimpse.density(glimpse.middle) > likely).then_some(glimpse)
         });
-        (image, rays_traced() - before)
+        (glimpse, rays_traced() - before)
     };
     let pairs: Vec<_> = groups.iter().flat_map(|group| (0..goals.len()).map(move |number| (group, number))).collect();
     let found: Vec<_> = pairs.into_par_iter().map(aim).collect();
-    (found.iter().filter_map(|(image, _)| *image).collect(), found.iter().map(|(_, rays)| rays).sum())
+    (found.iter().filter_map(|(glimpse, _)| *glimpse).collect(), found.iter().map(|(_, rays)| rays).sum())
 }
 
 #[cfg(test)]
@@ -201,20 +204,20 @@ mod tests {
     /// A share of 1 − 1/√(1 + d²) lies within d widths, where the density says so, too.
     #[test]
     fn a_lobe_is_drawn_as_its_density_says() {
-        let image = Image { events: Events::default(), middle: DVec2::new(0.4, 0.7), root: [0.01, -0.03, 0.002] };
+        let glimpse = Glimpse { events: Events::default(), middle: DVec2::new(0.4, 0.7), root: [0.01, -0.03, 0.002] };
         let n = 20_000;
         let mut inside = [0.0; 2];
         for i in 0..n {
             let rng = &mut generator(1, Purpose::Sample, 0, 0, i);
-            let drawn = image.sample(uniform(rng), uniform_f32(rng));
-            let square = (image.density(image.middle) / image.density(drawn)).cbrt().powi(2);
+            let drawn = glimpse.sample(uniform(rng), uniform_f32(rng));
+            let square = (glimpse.density(glimpse.middle) / glimpse.density(drawn)).cbrt().powi(2);
             inside[0] += f64::from(u8::from(square < 1.0 + 4.0));
             // The integral of the density over that ellipse, by uniform points of the square around its circle.
             let about = 4.0 * DVec2::new(uniform(rng), uniform(rng)) - 2.0;
-            let [first, below, second] = image.root;
+            let [first, below, second] = glimpse.root;
             let step = DVec2::new(first * about.x, below * about.x + second * about.y);
             inside[1] +=
-                if about.length() < 2.0 { image.density(image.middle + step) * 16.0 * first * second } else { 0.0 };
+                if about.length() < 2.0 { glimpse.density(glimpse.middle + step) * 16.0 * first * second } else { 0.0 };
         }
         let expected = 1.0 - 5.0_f64.sqrt().recip();
         for share in inside.map(|sum| sum / n as f64) {
@@ -222,12 +225,12 @@ mod tests {
         }
     }
 
-    /// Rays through an image's ellipse end about as far from its goal as the goal is large.
+    /// Rays through a glimpse's ellipse end about as far from its goal as the goal is large.
     #[test]
-    fn images_are_as_large_as_what_they_show() {
+    fn glimpses_are_as_large_as_what_they_show() {
         let world = room(mirror(), true);
         let view = &world.view();
-        let sights = sights_at_random(view, 4000, 3).0;
+        let sights = sights_at_random(view, (4000, 9), 3).0;
         let of_mirror: Vec<_> = sights.iter().filter(|sight| sight.events.len() == 1).collect();
         assert!(of_mirror.len() > 100);
         let (mut found, mut near) = (0, 0);
@@ -235,13 +238,13 @@ mod tests {
             let goal = Goal { at: pair[0].end.position.as_dvec3(), is_distant: false, extent: 1e-3 };
             let Some((sight, slopes)) = pair[1].aimed(view, &goal) else { continue };
             assert!(goal.distance(&sight.end) < goal.extent && sight.events == pair[0].events);
-            let image = Image::new(&sight, slopes, &goal).expect("an image");
-            let [first, below, second] = image.root;
+            let glimpse = Glimpse::new(&sight, slopes, &goal).expect("a glimpse");
+            let [first, below, second] = glimpse.root;
             found += 4;
             for v in [0.0_f32, 0.25, 0.5, 0.75] {
                 let about = turn(v).as_dvec2();
-                let edge = image.middle + DVec2::new(first * about.x, below * about.x + second * about.y);
-                let end = Sight::new(view, edge, |number, _, _| sight.events.get(number)).map(|there| there.end);
+                let edge = glimpse.middle + DVec2::new(first * about.x, below * about.x + second * about.y);
+                let end = Sight::new(view, (edge, 0), |number, _, _| sight.events.get(number)).map(|there| there.end);
                 let distance = end.map_or(f64::INFINITY, |end| goal.distance(&end)) / goal.extent;
                 near += i32::from((0.5..2.0).contains(&distance));
             }
