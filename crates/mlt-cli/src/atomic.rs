@@ -1,9 +1,12 @@
 //! Files that are written whole or not at all.
 
 use std::{
+    collections::BTreeSet,
     fs::{self, File},
     io::Write,
     path::{Path, PathBuf},
+    process,
+    sync::{Mutex, MutexGuard, PoisonError},
 };
 
 use anyhow::Context;
@@ -23,10 +26,42 @@ pub fn write_with(path: &Path, content: impl FnOnce(&mut File) -> anyhow::Result
     replace(path, content).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
+/// Ends the program at once, in the middle of whatever it writes: all files stay as they were, and no temporary file is left behind.
+pub fn exit(code: i32) -> ! {
+    // It stays locked: no file is begun or ended any more.
+    let unfinished = unfinished();
+    unfinished.iter().for_each(|path| drop(fs::remove_file(path)));
+    process::exit(code)
+}
+
+/// Temporary files that are there.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The name of a temporary file, which [`exit`] removes as long as this lives.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        unfinished().remove(&self.0);
+    }
+}
+
+/// A new temporary file, listed from when it is there.
+fn listed_in(folder: &Path) -> std::io::Result<(Listed, NamedTempFile)> {
+    let mut unfinished = unfinished();
+    let file = temporary_in(folder)?;
+    unfinished.insert(file.path().to_path_buf());
+    Ok((Listed(file.path().to_path_buf()), file))
+}
+
 fn replace(path: &Path, content: impl FnOnce(&mut File) -> anyhow::Result<()>) -> anyhow::Result<()> {
     let target = followed(path)?;
     let folder = folder_of(&target);
-    let mut file = temporary_in(&folder)?;
+    let (_listed, mut file) = listed_in(&folder)?;
     if let Ok(existing) = fs::metadata(&target) {
         file.as_file().set_permissions(existing.permissions())?;
     }

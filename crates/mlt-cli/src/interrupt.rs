@@ -10,6 +10,8 @@ use std::{
 
 use anyhow::Context;
 
+use crate::atomic;
+
 /// Makes a file that grows beyond the limit that the system sets (`ulimit -f`) an error like a full disk: by default its signal ends the
 /// program, with what it had begun to write left behind.
 pub fn outlive_file_limits() {
@@ -47,7 +49,7 @@ impl Interrupt {
         let noted = interrupt.clone();
         ctrlc::set_handler(move || {
             if noted.stop.swap(true, Ordering::Relaxed) {
-                std::process::exit(exit_code().into());
+                atomic::exit(exit_code().into());
             }
         })
         .context("cannot install the handler for Ctrl-C")?;

@@ -62,8 +62,8 @@ impl Spent {
     /// Both together; what is unknown stays so.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
-        let processors = self.processors.zip(other.processors).map(|(a, b)| a + b);
-        Self { clock: self.clock + other.clock, processors }
+        let processors = self.processors.zip(other.processors).map(|(a, b)| a.saturating_add(b));
+        Self { clock: self.clock.saturating_add(other.clock), processors }
     }
 }
 
@@ -114,5 +114,17 @@ pub fn words(rounds: &Range<u64>) -> String {
     match rounds.end {
         u64::MAX => format!("all from {} on", rounds.start),
         end => format!("{} to {}", rounds.start, end.saturating_sub(1)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As the header of a forged file may have them.
+    #[test]
+    fn times_stay_at_the_longest() {
+        let longest = Spent { clock: Duration::MAX, processors: Some(Duration::MAX) };
+        assert_eq!(longest.and(longest), longest);
     }
 }

@@ -44,20 +44,21 @@ pub(super) fn run(options: &RenderOptions, frames: &Frames) -> Result<(), Failur
         for warning in report.warnings.iter().filter(|&warning| told.insert(warning.clone())) {
             warn(&format!("frame {number}: {warning}"));
         }
-        let interrupted = report.interrupted;
+        let stopped = report.interrupted || workshop.interrupt.requested();
         let frame = FrameReport { frame: number, time_in_animation: time, report };
         if !options.json && !options.quiet {
             print(&(printable(&frame.line(), usize::MAX) + "\n"))?;
         }
         reports.push(frame);
-        if interrupted {
+        if stopped {
             break;
         }
     }
     if options.json {
         print(&(serde_json::to_string_pretty(&reports).context("cannot encode the report")? + "\n"))?;
     }
-    if reports.last().is_some_and(|frame| frame.report.interrupted) { Err(Failure::Interrupted) } else { Ok(()) }
+    let all = reports.len() == frames.0.clone().count() && !reports.iter().any(|frame| frame.report.interrupted);
+    if all { Ok(()) } else { Err(Failure::Interrupted) }
 }
 
 impl FrameReport {

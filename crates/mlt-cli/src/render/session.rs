@@ -56,7 +56,7 @@ pub(super) fn run(
         return Err(Failure::too_early());
     }
     sums.finish();
-    let made = session.made(&sums, outcome == Outcome::Stopped && interrupt.requested())?;
+    let made = session.made(&sums, outcome == Outcome::Stopped)?;
     Ok(Finished { sums, made })
 }
 
@@ -73,10 +73,9 @@ fn words(at: &Standing) -> String {
     format!("{} rounds, relative error {error}, time left {left}", at.rounds)
 }
 
-fn ending_words(outcome: Outcome, interrupt: &Interrupt) -> &'static str {
+fn ending_words(outcome: Outcome) -> &'static str {
     match outcome {
-        Outcome::Stopped if interrupt.requested() => "interrupted",
-        Outcome::Stopped => "the error is reached",
+        Outcome::Stopped => "interrupted",
         Outcome::Complete => "done",
     }
 }
@@ -147,7 +146,7 @@ impl<'a> Session<'a> {
         });
         progress.finish();
         let (rounds, seconds) = (sums.film().rounds(), self.start.elapsed().as_secs_f64());
-        info!("{rounds} rounds after {seconds:.3} s: {}", ending_words(outcome, self.interrupt));
+        info!("{rounds} rounds after {seconds:.3} s: {}", ending_words(outcome));
         previews.show(sums.film());
         outcome
     }

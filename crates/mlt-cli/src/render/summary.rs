@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use mlt_core::engine::{Film, MutationStats, Pixel, StratumStats, TRUSTED_ROUNDS, Tally};
+use mlt_core::engine::{Film, MutationStats, Pixel, StratumStats, TRUSTED_ROUNDS, Tally, total_count};
 use mlt_core::transport::image::{mean_luminance, relative_error};
 use mlt_core::transport::render::{Counts, Sums};
 use mlt_core::transport::scene::Needs;
@@ -36,7 +36,7 @@ pub(crate) fn report(options: &RenderOptions, provenance: &Provenance, sums: &Su
         seconds: 0.0,
         cpu_seconds: None,
         mutations: counts.steps(),
-        samples: counts.samples() + counts.chains().strata.iter().map(|s| s.samples).sum::<u64>(),
+        samples: total_count(counts.chains().strata.iter().map(|s| s.samples).chain([counts.samples()])),
         rays: counts.rays(),
         chain_rays: counts.chains().work(),
         pilot_mutations: counts.pilot.mutations,

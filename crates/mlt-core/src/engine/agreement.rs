@@ -1,6 +1,7 @@
 //! Whether the chains of a stratum agree.
 
 use super::bytes::put;
+use super::count::add_count;
 use super::{DecodeError, ExactSum, Reader};
 
 /// Moments of g(x) = log₂ I(x) over halves of chains.
@@ -27,8 +28,8 @@ pub struct HalfChains {
 impl HalfChains {
     /// Adds others.
     pub fn merge(&mut self, other: &Self) {
-        self.halves += other.halves;
-        self.states += other.states;
+        add_count(&mut self.halves, other.halves);
+        add_count(&mut self.states, other.states);
         self.means.iter_mut().zip(&other.means).for_each(|(sum, x)| sum.merge(x));
         self.within.merge(&other.within);
     }

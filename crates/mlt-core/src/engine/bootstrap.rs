@@ -1,5 +1,6 @@
 //! Independent samples of a stratum: its b_j, and where its chains start.
 
+use super::count::add_count;
 use super::{Coverage, Generator, Importance, Purpose, Stratum, StratumStats, generator, uniform};
 
 /// Importance weights of the independent samples of one stratum in one round.
@@ -43,13 +44,13 @@ impl Bootstrap {
 
     /// Adds a round's samples to the counts of their stratum.
     pub(super) fn count(&self, stats: &mut StratumStats) {
-        stats.samples += self.weights.len() as u64;
+        add_count(&mut stats.samples, self.weights.len() as u64);
         stats.weight_sum.add(self.total);
         stats.weight_squares.add(self.weights.iter().map(|w| w * w).sum());
-        stats.non_finite_samples += self.non_finite;
-        stats.sample_work += self.work;
-        stats.rounds += 1;
-        stats.dark_rounds += u64::from(self.b() == 0.0);
+        add_count(&mut stats.non_finite_samples, self.non_finite);
+        add_count(&mut stats.sample_work, self.work);
+        add_count(&mut stats.rounds, 1);
+        add_count(&mut stats.dark_rounds, u64::from(self.b() == 0.0));
         stats.coverage.merge(&self.coverage);
     }
 

@@ -1,5 +1,6 @@
 //! Numbers as bytes, and back without trust.
 
+use super::count::add_count;
 use super::{ExactSum, Rounds};
 use std::error::Error;
 use std::fmt;
@@ -146,7 +147,7 @@ impl Counted for () {
 /// A plain count.
 impl Counted for u64 {
     fn merge(&mut self, other: &Self) {
-        *self += other;
+        add_count(self, *other);
     }
 
     fn write(&self, to: &mut Vec<u8>) {

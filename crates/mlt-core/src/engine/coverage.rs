@@ -1,5 +1,7 @@
 //! Whether the strata are a partition of the space, as far as a render can see.
 
+use super::count::add_count;
+
 /// Where states lie that a render met: a few of the independent samples, and of the proposals that left their stratum.
 ///
 /// In a partition every state of positive importance is in one stratum, and a sample is in its own.
@@ -41,9 +43,9 @@ impl Coverage {
 
     /// Adds others.
     pub(super) fn merge(&mut self, other: &Self) {
-        self.states += other.states;
-        self.astray += other.astray;
-        self.uncovered += other.uncovered;
-        self.shared += other.shared;
+        add_count(&mut self.states, other.states);
+        add_count(&mut self.astray, other.astray);
+        add_count(&mut self.uncovered, other.uncovered);
+        add_count(&mut self.shared, other.shared);
     }
 }

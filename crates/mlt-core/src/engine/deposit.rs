@@ -1,6 +1,7 @@
 //! Deposits of one task, kept apart until they are merged into the film.
 
 use super::Splat;
+use super::count::add_count;
 
 /// Takes splats.
 pub trait Sink<S> {
@@ -39,7 +40,7 @@ impl Lost {
 
     /// Adds others; the outcome does not depend on the order.
     pub(super) fn merge(&mut self, other: &Self) {
-        self.count += other.count;
+        add_count(&mut self.count, other.count);
         other.sites.iter().for_each(|&site| self.keep(site));
     }
 

@@ -1,6 +1,7 @@
 //! When a render ends: after some rounds, some time, or at some error.
 
 use super::{Accumulated, Counted, Observer, Outcome, Progress};
+use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
@@ -80,6 +81,8 @@ impl<const C: usize> Ending<C> {
 
     /// Makes rounds from number `first` on until the end; those that the sums hold already count and are not made again. `make` adds
     /// the rounds of a range, as [`render`](super::render) does, and `observe` may break before.
+    ///
+    /// A render that has reached a limit is complete, even where `observe` breaks after its last round.
     pub fn render<T: Counted>(
         &self,
         first: u64,
@@ -88,7 +91,7 @@ impl<const C: usize> Ending<C> {
         observe: &mut dyn FnMut(Standing, &Accumulated<C, T>) -> ControlFlow<()>,
     ) -> Outcome {
         let held = sums.film().rounds();
-        let (since, mut error) = (Instant::now(), None);
+        let (since, mut error, reached, mut stopped) = (Instant::now(), None, Cell::new(false), false);
         let mut observe = |at: Progress, sums: &Accumulated<C, T>| {
             let (rounds, at_end) = (sums.film().rounds(), at.fraction == 0.0);
             if at_end && rounds > 1 && (self.shows_error || self.limits.error.is_some()) {
@@ -97,12 +100,13 @@ impl<const C: usize> Ending<C> {
             let done = rounds as f64 + at.fraction;
             let made = done - held as f64;
             let left = self.left(done, error, since.elapsed().div_f64(made.max(f64::MIN_POSITIVE)));
-            observe(Standing { rounds: done, error, share: self.share(done, error), left }, sums)?;
-            if at_end { self.reached(rounds, error) } else { ControlFlow::Continue(()) }
+            let asked = observe(Standing { rounds: done, error, share: self.share(done, error), left }, sums);
+            reached.set(at_end && self.is_reached(rounds, error));
+            if reached.get() { ControlFlow::Break(()) } else { asked }
         };
         loop {
-            let done = sums.film().rounds();
-            let Some(next) = sums.rounds().missing(first..u64::MAX).into_iter().next() else {
+            let (done, missing) = (sums.film().rounds(), sums.rounds().missing(first..u64::MAX));
+            let Some(next) = missing.into_iter().next().filter(|_| !reached.get()) else {
                 return Outcome::Complete;
             };
             let begun = self.next(done, Pace { since, made: done - held });
@@ -110,7 +114,11 @@ impl<const C: usize> Ending<C> {
             if rounds.is_empty() {
                 return Outcome::Complete;
             }
-            if make(rounds, sums, &mut observe) == Outcome::Stopped {
+            if stopped {
+                return Outcome::Stopped;
+            }
+            stopped = make(rounds.clone(), sums, &mut observe) == Outcome::Stopped;
+            if stopped && !reached.get() && !sums.rounds().missing(rounds).is_empty() {
                 return Outcome::Stopped;
             }
         }
@@ -153,13 +161,12 @@ impl<const C: usize> Ending<C> {
         clock.into_iter().chain(work).min()
     }
 
-    /// Breaks where the error ends the render.
-    fn reached(&self, rounds: u64, error: Option<f64>) -> ControlFlow<()> {
-        let is_done = self.limits.error.is_some_and(|target| match error {
+    /// Whether the error ends the render.
+    fn is_reached(&self, rounds: u64, error: Option<f64>) -> bool {
+        self.limits.error.is_some_and(|target| match error {
             Some(error) => rounds >= TRUSTED_ROUNDS && error <= target,
             None => rounds >= UNKNOWN_ROUNDS,
-        });
-        if is_done { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
     }
 }
 
@@ -186,6 +193,11 @@ mod tests {
 
     /// Rounds of 1, or of 0 and 1 in turn.
     fn made(limits: Limits, held: &[Range<u64>], value: fn(u64) -> f64) -> (Outcome, String) {
+        made_until(limits, held, value, f64::INFINITY)
+    }
+
+    /// The same where `observe` breaks from so many rounds on.
+    fn made_until(limits: Limits, held: &[Range<u64>], value: fn(u64) -> f64, stop: f64) -> (Outcome, String) {
         let mut sums = Accumulated::<1, u64>::new(Film::new(1, 1.0));
         let close = |sums: &mut Accumulated<1, u64>, round: u64| {
             let mut deposits = sums.film.deposits();
@@ -203,7 +215,11 @@ mod tests {
             }
             Outcome::Complete
         };
-        let outcome = ending(limits, 0).render(2, &mut sums, &make, &mut |_, _| ControlFlow::Continue(()));
+        let mut observe = |at: Standing, _: &Accumulated<1, u64>| match at.rounds < stop {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        };
+        let outcome = ending(limits, 0).render(2, &mut sums, &make, &mut observe);
         (outcome, sums.rounds().to_string())
     }
 
@@ -236,9 +252,24 @@ mod tests {
     #[test]
     fn an_error_that_is_reached_or_stays_unknown_ends_the_render() {
         let limits = |error| Limits { error: Some(error), ..Limits::default() };
-        assert_eq!(made(limits(0.02), &[], |_| 1.0), (Outcome::Stopped, "2 to 9".into()));
-        assert_eq!(made(limits(0.02), &[], |_| 0.0), (Outcome::Stopped, "2 to 65".into()));
+        assert_eq!(made(limits(0.02), &[], |_| 1.0), (Outcome::Complete, "2 to 9".into()));
+        assert_eq!(made(limits(0.02), &[], |_| 0.0), (Outcome::Complete, "2 to 65".into()));
         // R rounds of 0 and 2 have the relative error 1/√(R − 1) with R even.
-        assert_eq!(made(limits(0.1), &[], |round| 2.0 * (round % 2) as f64), (Outcome::Stopped, "2 to 103".into()));
+        assert_eq!(made(limits(0.1), &[], |round| 2.0 * (round % 2) as f64), (Outcome::Complete, "2 to 103".into()));
+    }
+
+    #[test]
+    fn a_stop_after_the_last_round_stops_nothing() {
+        let rounds = Limits { rounds: Some(9), ..Limits::default() };
+        let error = Limits { error: Some(0.02), ..Limits::default() };
+        let time = Limits { time: Some(Duration::ZERO), ..Limits::default() };
+        for (limits, last, all) in [(rounds, 9, "2 to 10"), (error, 8, "2 to 9"), (time, 1, "2")] {
+            let until = |stop| made_until(limits, &[], |_| 1.0, stop);
+            assert_eq!(until(f64::from(last)), (Outcome::Complete, all.into()), "{limits:?}");
+            if last > 1 {
+                let most = format!("2 to {last}");
+                assert_eq!(until(f64::from(last - 1)), (Outcome::Stopped, most), "{limits:?}");
+            }
+        }
     }
 }

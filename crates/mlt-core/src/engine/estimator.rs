@@ -52,7 +52,7 @@ pub type Observer<'a, const C: usize, T> = dyn FnMut(Progress, &Accumulated<C, T
 /// How a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// All rounds were made.
+    /// It came to its end.
     Complete,
     /// The observer stopped it; its sums hold the finished rounds.
     Stopped,

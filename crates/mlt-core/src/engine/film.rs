@@ -2,6 +2,7 @@
 
 use super::band::Band;
 use super::bytes::{put, put_list};
+use super::count::add_count;
 use super::fixed::{Products, Sums};
 use super::{Blocks, DecodeError, Deposit, Deposits, Lost, MergeError, Reader, Rounds};
 use rayon::prelude::*;
@@ -154,7 +155,7 @@ impl<const C: usize> Film<C> {
         let totals: Vec<_> = bands.map(close).collect();
         let mean = std::array::from_fn(|c| totals.iter().map(|t| t[c]).sum::<f64>() / f64::from(self.sites()));
         self.whole.add(mean, i128::from(weight));
-        self.weight += weight;
+        add_count(&mut self.weight, weight);
         self.rounds.insert(number..number + 1);
     }
 
@@ -195,7 +196,7 @@ impl<const C: usize> Film<C> {
         self.sums.par_iter_mut().zip(&other.sums).for_each(|(a, b)| a.merge(b));
         self.whole.merge(&other.whole);
         self.blocks.merge(&other.blocks);
-        self.weight += other.weight;
+        add_count(&mut self.weight, other.weight);
         other.rounds.ranges().iter().for_each(|range| self.rounds.insert(range.clone()));
         self.lost.merge(&other.lost);
         Ok(())

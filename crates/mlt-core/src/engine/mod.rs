@@ -16,6 +16,7 @@ mod blocks;
 mod bootstrap;
 mod bytes;
 mod chain;
+mod count;
 mod coverage;
 mod deposit;
 mod ending;
@@ -52,6 +53,7 @@ pub use allocation::{LEAST_CHAIN, LEAST_SAMPLES, MUTATIONS_PER_SAMPLE, allocate,
 pub use blocks::{Blocks, Grid};
 pub use bytes::{Counted, DecodeError, Reader, put, put_chunk, put_list, put_text};
 pub use chain::Chain;
+pub use count::{add_count, total_count};
 pub use coverage::Coverage;
 pub use deposit::{Deposit, Deposits, Lost, Sink};
 pub use ending::{Ending, Limits, Make, Standing, TRUSTED_ROUNDS};

@@ -2,6 +2,7 @@
 
 use super::agreement::log2;
 use super::bytes::{put, put_list};
+use super::count::add_count;
 use super::{DecodeError, ExactSum, Reader};
 use std::collections::BTreeMap;
 
@@ -34,7 +35,7 @@ struct Octave {
 
 impl Octave {
     fn merge(&mut self, other: &Self) {
-        self.states += other.states;
+        add_count(&mut self.states, other.states);
         self.energy.merge(&other.energy);
     }
 }

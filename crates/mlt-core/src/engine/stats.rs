@@ -1,6 +1,7 @@
 //! Counts of chains.
 
 use super::bytes::{put, put_list};
+use super::count::{add_count, total_count};
 use super::{Coverage, DecodeError, ExactSum, HalfChains, Rarity, Reader};
 
 /// Outcomes of one mutation's proposals.
@@ -21,7 +22,7 @@ pub struct MutationStats {
 impl MutationStats {
     /// All proposals, failed ones included.
     pub fn total(&self) -> u64 {
-        self.accepted + self.rejected + self.failed + self.non_finite
+        total_count([self.accepted, self.rejected, self.failed, self.non_finite])
     }
 
     /// Accepted share of all proposals, in [0, 1]; 0 without any.
@@ -31,10 +32,10 @@ impl MutationStats {
 
     /// Adds another count.
     pub fn merge(&mut self, other: &Self) {
-        self.accepted += other.accepted;
-        self.rejected += other.rejected;
-        self.failed += other.failed;
-        self.non_finite += other.non_finite;
+        add_count(&mut self.accepted, other.accepted);
+        add_count(&mut self.rejected, other.rejected);
+        add_count(&mut self.failed, other.failed);
+        add_count(&mut self.non_finite, other.non_finite);
         self.longest_rejection = self.longest_rejection.max(other.longest_rejection);
     }
 }
@@ -103,28 +104,28 @@ impl StratumStats {
 
     /// Steps of the chains.
     pub fn steps(&self) -> u64 {
-        self.idle + self.mutations.iter().map(MutationStats::total).sum::<u64>()
+        total_count(self.mutations.iter().map(MutationStats::total).chain([self.idle]))
     }
 
     /// Adds another count of the same mixture.
     pub fn merge(&mut self, other: &Self) {
         self.mutations.resize(self.mutations.len().max(other.mutations.len()), MutationStats::default());
         self.mutations.iter_mut().zip(&other.mutations).for_each(|(a, b)| a.merge(b));
-        self.idle += other.idle;
+        add_count(&mut self.idle, other.idle);
         self.longest_rejection = self.longest_rejection.max(other.longest_rejection);
-        self.samples += other.samples;
+        add_count(&mut self.samples, other.samples);
         self.weight_sum.merge(&other.weight_sum);
         self.weight_squares.merge(&other.weight_squares);
-        self.non_finite_samples += other.non_finite_samples;
-        self.rounds += other.rounds;
-        self.dark_rounds += other.dark_rounds;
-        self.refused_starts += other.refused_starts;
-        self.changed_starts += other.changed_starts;
+        add_count(&mut self.non_finite_samples, other.non_finite_samples);
+        add_count(&mut self.rounds, other.rounds);
+        add_count(&mut self.dark_rounds, other.dark_rounds);
+        add_count(&mut self.refused_starts, other.refused_starts);
+        add_count(&mut self.changed_starts, other.changed_starts);
         self.coverage.merge(&other.coverage);
         self.halves.merge(&other.halves);
         self.rarity.merge(&other.rarity);
-        self.chain_work += other.chain_work;
-        self.sample_work += other.sample_work;
+        add_count(&mut self.chain_work, other.chain_work);
+        add_count(&mut self.sample_work, other.sample_work);
     }
 
     /// Counts in a fixed order, with which they are written.
@@ -172,5 +173,16 @@ impl StratumStats {
             Ok(MutationStats { accepted, rejected, failed, non_finite, longest_rejection })
         })?;
         Ok(stats)
+    }
+
+    /// One mutation, and all counts as large as they can be.
+    #[cfg(test)]
+    pub(crate) fn of_largest_counts() -> Self {
+        let mut stats = Self::new(1);
+        stats.counts().into_iter().for_each(|count| *count = u64::MAX);
+        (stats.chain_work, stats.sample_work) = (u64::MAX, u64::MAX);
+        let [accepted, rejected, failed, non_finite, longest_rejection] = [u64::MAX; 5];
+        stats.mutations[0] = MutationStats { accepted, rejected, failed, non_finite, longest_rejection };
+        stats
     }
 }

@@ -1,6 +1,7 @@
 //! Counts of a Metropolis render.
 
 use super::bytes::{put_list, put_text};
+use super::count::total_count;
 use super::{Counted, DecodeError, Reader, StratumStats, Warning};
 use std::borrow::Cow;
 
@@ -23,7 +24,7 @@ impl Tally {
 
     /// Work of all strata, in the unit of [`Metropolis::counting`](super::Metropolis::counting).
     pub fn work(&self) -> u64 {
-        self.strata.iter().map(|s| s.chain_work + s.sample_work).sum()
+        total_count(self.strata.iter().flat_map(|s| [s.chain_work, s.sample_work]))
     }
 
     /// Signs that the image is wrong, or that its error bars say too little.
@@ -50,5 +51,22 @@ impl Counted for Tally {
     fn read(from: &mut Reader) -> Result<Self, DecodeError> {
         let strata = from.list(StratumStats::read)?;
         Ok(Self { strata, mutations: from.list(|from| from.text().map(Cow::Owned))? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As a forged file may have them.
+    #[test]
+    fn counts_stay_at_the_largest() {
+        let stats = StratumStats::of_largest_counts();
+        let mut tally = Tally { strata: vec![stats.clone(), stats], mutations: vec!["nudge".into()] };
+        tally.merge(&tally.clone());
+        let total = tally.total();
+        let of_mutation = total.mutations[0].total();
+        assert_eq!([tally.work(), total.steps(), total.samples, total.coverage.shared, of_mutation], [u64::MAX; 5]);
+        assert!(tally.warnings().iter().any(|warning| warning.to_string().contains(&u64::MAX.to_string())));
     }
 }

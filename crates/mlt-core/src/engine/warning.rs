@@ -1,5 +1,6 @@
 //! Signs of a wrong image that a render's counts hold.
 
+use super::count::total_count;
 use super::{MutationStats, StratumStats, Tally};
 use std::{fmt, iter};
 
@@ -113,12 +114,13 @@ fn counted(
     sentence: impl Fn(u64) -> String,
 ) -> Option<Warning> {
     let strata: Vec<_> = (0..tally.strata.len()).filter(|&j| count(&tally.strata[j]) > 0).collect();
-    let total = tally.strata.iter().map(count).sum();
+    let total = total_count(tally.strata.iter().map(count));
     (!strata.is_empty()).then(|| Warning { kind, strata, sentence: sentence(total) })
 }
 
 fn non_finite(tally: &Tally) -> Option<Warning> {
-    let non_finite = |s: &StratumStats| s.non_finite_samples + s.mutations.iter().map(|m| m.non_finite).sum::<u64>();
+    let non_finite =
+        |s: &StratumStats| total_count(s.mutations.iter().map(|m| m.non_finite).chain([s.non_finite_samples]));
     let made = |m: &MutationStats| m.non_finite > 0;
     let by_mutation = |k: usize| tally.strata.iter().any(|s| s.mutations.get(k).is_some_and(made));
     let mut makers: Vec<_> =

@@ -1,7 +1,7 @@
 //! Counts of a render.
 
 use super::independent::SampleTally;
-use crate::engine::{Counted, DecodeError, Reader, StratumStats, SumTally, Tally, put};
+use crate::engine::{Counted, DecodeError, Reader, StratumStats, SumTally, Tally, put, total_count};
 use std::ops::Add;
 
 /// Counts of a render.
@@ -31,12 +31,12 @@ impl Counts {
 
     /// Rays traced, those of the pilot not among them.
     pub fn rays(&self) -> u64 {
-        self.made.0.rays + self.chains().work()
+        total_count([self.made.0.rays, self.chains().work()])
     }
 
     /// Steps of all chains.
     pub fn steps(&self) -> u64 {
-        self.chains().strata.iter().map(StratumStats::steps).sum()
+        total_count(self.chains().strata.iter().map(StratumStats::steps))
     }
 }
 
@@ -92,5 +92,19 @@ impl Counted for PilotCounts {
 
     fn read(from: &mut Reader) -> Result<Self, DecodeError> {
         Ok(Self { mutations: from.number()?, rays: from.number()? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As a forged file may have them.
+    #[test]
+    fn counts_stay_at_the_largest() {
+        let chains = Tally { strata: vec![StratumStats::of_largest_counts()], mutations: vec!["nudge".into()] };
+        let mut counts = Counts::new(SampleTally { samples: u64::MAX, rays: u64::MAX }, chains);
+        counts.merge(&counts.clone());
+        assert_eq!([counts.samples(), counts.rays(), counts.steps()], [u64::MAX; 3]);
     }
 }

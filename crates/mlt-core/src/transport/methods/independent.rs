@@ -2,7 +2,7 @@
 
 use super::sobol::OwenSobol;
 use crate::engine::{
-    Counted, DecodeError, Deposits, Estimator, Purpose, Reader, Sink, Splat, generator, put, uniform_f32,
+    Counted, DecodeError, Deposits, Estimator, Purpose, Reader, Sink, Splat, add_count, generator, put, uniform_f32,
 };
 use crate::instructions::{InstructionSet, Work};
 use crate::transport::paths::PathEnd;
@@ -67,8 +67,8 @@ pub struct SampleTally {
 
 impl Counted for SampleTally {
     fn merge(&mut self, other: &Self) {
-        self.samples += other.samples;
-        self.rays += other.rays;
+        add_count(&mut self.samples, other.samples);
+        add_count(&mut self.rays, other.rays);
     }
 
     fn write(&self, to: &mut Vec<u8>) {
