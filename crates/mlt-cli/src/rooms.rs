@@ -16,8 +16,8 @@ const FLOORS: [&[&str]; 10] = [
     &["args"],
     &["output"],
     &["kept", "denoise", "exit"],
-    &["provenance", "progress", "image", "atomic", "interrupt", "system"],
-    &["log", "terminal"],
+    &["provenance", "progress", "image", "interrupt", "system"],
+    &["log", "terminal", "atomic"],
 ];
 
 /// Files that no module names: the program, the library's root, and this test.
