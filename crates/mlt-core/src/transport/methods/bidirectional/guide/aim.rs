@@ -1,8 +1,8 @@
 //! Camera rays that come to a given point by given reflections and refractions.
 //!
-//! With these given, the place y where a camera ray meets the first surface that is not specular is a function of the film point x. Newton's
-//! method solves y(x) = y*; its slopes are differences of rays that are traced. Where the surfaces around are smooth, x is found to
-//! within rounding from anywhere near. The slopes also tell how large the surroundings of y* are on the film.
+//! With these given, the ray after the last of them, from o into the direction ω, is a function of the film point x. Newton's method solves
+//! m(x) = ω − (y* − o)/|y* − o| = 0 for a point y*, whatever the rays on the way meet; its slopes are differences of rays that are traced. Where
+//! the surfaces around are smooth, x is found to within rounding. The slopes also tell how large the surroundings of y* are on the film.
 //!
 //! Source: [JakobMarschner12] solve the same equation for the vertices of a path, by the derivatives of the surfaces.
 
@@ -16,8 +16,9 @@ use glam::{DVec2, DVec3, Vec3A};
 const STEP: f64 = 1e-5;
 /// Most steps of Newton's method, and most halvings of each.
 const STEPS: [usize; 2] = [12, 6];
-/// Distance from y* that is near enough, over the extent of its surroundings.
-const NEAR: f64 = 0.25;
+/// |m| that is small enough, over the extent of the surroundings of y* as seen from o; and the distance of what the ray meets from y*, over
+/// their extent.
+const NEAR: [f64; 2] = [0.25, 4.0];
 
 /// y*: a point, or a direction of light from infinitely far away.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +32,8 @@ pub(super) struct Goal {
 /// A camera ray that comes through specular surfaces to one that is not, or to a light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
+    /// Material of the surface that it meets first.
+    pub(super) first: u32,
     pub(super) events: Events,
     /// Probability that a camera subpath chooses these events.
     pub(super) probability: f64,
@@ -38,14 +41,22 @@ pub(super) struct Sight {
     pub(super) film: DVec2,
     /// Key of the random numbers by which surfaces that are not opaque let it pass.
     key: u64,
+    /// Where its last part begins, and where to.
+    last: [Vec3A; 2],
     /// Where it ends.
     pub(super) end: Vertex,
 }
 
 impl Goal {
-    /// How far from it a ray ends; infinitely far if one is a direction and the other is not.
-    pub(super) fn distance(&self, end: &Vertex) -> f64 {
-        if end.is_distant() == self.is_distant { (end.position.as_dvec3() - self.at).length() } else { f64::INFINITY }
+    /// |m| over the extent of the surroundings.
+    pub(super) fn distance(&self, sight: &Sight) -> f64 {
+        sight.miss(self).length() / sight.extent(self)
+    }
+
+    /// Whether a ray towards it is not stopped before, and does not go on.
+    fn is_met(&self, sight: &Sight) -> bool {
+        let end = sight.end.position.as_dvec3();
+        sight.end.is_distant() == self.is_distant && (end - self.at).length() <= NEAR[1] * self.extent
     }
 }
 
@@ -62,34 +73,51 @@ impl Sight {
         }
         let rng = &mut generator(key, Purpose::Sample, 0, 0, 0);
         let ray = view.camera.sample(film.as_vec2(), &view.camera.vertex());
-        let mut direction = ray.direction();
-        let (mut end, _) = view.scene.follow_camera_ray(ray.origin, direction, rng)?;
-        let (mut events, mut probability) = (Events::default(), 1.0);
+        let mut last = [ray.origin, ray.direction()];
+        let (mut end, _) = view.scene.follow_camera_ray(last[0], last[1], rng)?;
+        let (first, mut events, mut probability) = (end.material, Events::default(), 1.0);
         while end.delta {
-            let refracts = refracts(events.len(), &end, -direction)?;
+            let to_eye = -last[1];
+            let refracts = refracts(events.len(), &end, to_eye)?;
             events = events.with(refracts)?;
             let mut room = Resolved::default();
             let surface = view.scene.surface(&end, &mut room);
-            let next = surface.delta_direction(-direction, refracts)?;
-            probability *= f64::from(surface.event_probability(-direction, next));
+            let next = surface.delta_direction(to_eye, refracts)?;
+            probability *= f64::from(surface.event_probability(to_eye, next));
+            last = [end.position, next];
             (end, _) = view.scene.follow(&end, next, rng)?;
-            direction = next;
         }
-        Some(Self { events, probability, film, key, end })
+        Some(Self { first, events, probability, film, key, last, end })
     }
 
     /// The ray through another film point with the same events.
     fn through(&self, view: &View, film: DVec2) -> Option<Self> {
         let moved = Self::new(view, (film, self.key), |number, _, _| self.events.get(number))?;
-        (moved.events == self.events).then_some(moved)
+        ((moved.events, moved.first) == (self.events, self.first)).then_some(moved)
     }
 
-    /// A ray that ends near a goal, found from this one, and ∂y/∂x there.
+    /// y* − o, or its direction if that is all it is.
+    fn way(&self, goal: &Goal) -> DVec3 {
+        if goal.is_distant { goal.at } else { goal.at - self.last[0].as_dvec3() }
+    }
+
+    /// m.
+    fn miss(&self, goal: &Goal) -> DVec3 {
+        let way = self.way(goal);
+        self.last[1].as_dvec3() - way / way.length()
+    }
+
+    /// The extent of a goal's surroundings as seen from o, radians.
+    pub(super) fn extent(&self, goal: &Goal) -> f64 {
+        goal.extent / self.way(goal).length()
+    }
+
+    /// A ray that ends near a goal, found from this one, and ∂m/∂x there.
     pub(super) fn aimed(mut self, view: &View, goal: &Goal) -> Option<(Self, [DVec3; 2])> {
         for _ in 0..STEPS[0] {
-            let slopes = self.slopes(view)?;
-            if goal.distance(&self.end) <= NEAR * goal.extent {
-                return Some((self, slopes));
+            let slopes = self.slopes(view, goal)?;
+            if goal.distance(&self) <= NEAR[0] {
+                return goal.is_met(&self).then_some((self, slopes));
             }
             self = self.nearer(view, goal, slopes)?;
         }
@@ -98,29 +126,27 @@ impl Sight {
 
     /// A step of Newton's method, or a part of it, by which the ray comes nearer.
     fn nearer(&self, view: &View, goal: &Goal, [a, b]: [DVec3; 2]) -> Option<Self> {
-        let rest = goal.at - self.end.position.as_dvec3();
+        let rest = -self.miss(goal);
         // The least squares of a s + b t = rest.
         let (of_a, of_b, mixed) = (a.length_squared(), b.length_squared(), a.dot(b));
         let determinant = of_a * of_b - mixed * mixed;
         let [to_a, to_b] = [a.dot(rest), b.dot(rest)];
         let mut step = DVec2::new(of_b * to_a - mixed * to_b, of_a * to_b - mixed * to_a) / determinant;
-        let distance = goal.distance(&self.end);
         for _ in 0..STEPS[1] {
-            let moved = self.through(view, self.film + step).filter(|moved| goal.distance(&moved.end) < distance);
-            if moved.is_some() {
-                return moved;
+            let moved = self.through(view, self.film + step);
+            if let Some(moved) = moved.filter(|moved| moved.miss(goal).length() < rest.length()) {
+                return Some(moved);
             }
             step *= 0.5;
         }
         None
     }
 
-    /// ∂y/∂x, from differences to the right and below, or to the left and above where nothing is there.
-    fn slopes(&self, view: &View) -> Option<[DVec3; 2]> {
+    /// ∂m/∂x, from differences to the right and below, or to the left and above where nothing is there.
+    fn slopes(&self, view: &View, goal: &Goal) -> Option<[DVec3; 2]> {
         let slope = |step: DVec2| {
             let there = self.through(view, self.film + step)?;
-            let same = there.end.is_distant() == self.end.is_distant();
-            same.then(|| (there.end.position - self.end.position).as_dvec3() / step.element_sum())
+            Some((there.miss(goal) - self.miss(goal)) / step.element_sum())
         };
         let along = |axis: DVec2| slope(STEP * axis).or_else(|| slope(-STEP * axis));
         Some([along(DVec2::X)?, along(DVec2::Y)?])

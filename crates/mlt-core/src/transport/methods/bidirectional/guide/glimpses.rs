@@ -17,6 +17,7 @@ use super::aim::{Goal, Sight};
 use super::events::Events;
 use super::photons::Photons;
 use crate::engine::{PILOT, Purpose, generator, uniform, uniform_f32};
+use crate::transport::geometry::hilbert;
 use crate::transport::geometry::math::turn;
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::settings::Settings;
@@ -33,12 +34,12 @@ const LIMITS: [f64; 2] = [1024.0, 65_536.0];
 /// Goals of each kind for a sample of a round, and fewest and most of them.
 const GOALS_PER_SAMPLE: f64 = 1.0 / 1024.0;
 const GOAL_LIMITS: [f64; 2] = [32.0, 256.0];
-/// Most different events.
-const MOST_EVENTS: usize = 32;
+/// Most groups of rays.
+const MOST_GROUPS: usize = 32;
 /// Least probability of events: no render has many more camera subpaths.
 const LEAST_PROBABILITY: f64 = 1e-7;
-/// Rays that goals are aimed at from by turns, so that several glimpses of one goal are found.
-const TURNS: usize = 4;
+/// Parts of the film that goals are aimed at from by turns, so that each of several balls shows them.
+const TURNS: usize = 16;
 /// Least and largest width of a lobe, in widths of the film.
 const WIDTHS: [f64; 2] = [4e-6, 0.05];
 /// Number of a round that nothing else has.
@@ -64,7 +65,7 @@ struct Glimpse {
 impl Glimpse {
     /// Of the surroundings of a goal, as large as the slopes a and b of a ray that ends there make them.
     fn new(sight: &Sight, [a, b]: [DVec3; 2], goal: &Goal) -> Option<Self> {
-        let square = goal.extent * goal.extent;
+        let square = sight.extent(goal) * sight.extent(goal);
         let least = square / (WIDTHS[1] * WIDTHS[1]);
         let [of_a, of_b, mixed] = [a.length_squared() + least, b.length_squared() + least, a.dot(b)];
         let scale = square / (of_a * of_b - mixed * mixed);
@@ -103,7 +104,7 @@ impl Glimpses {
         let goals = (GOALS_PER_SAMPLE * samples).clamp(GOAL_LIMITS[0], GOAL_LIMITS[1]) as usize;
         let (sights, of_sights) = sights_at_random(view, (sights, settings.most_edges()), settings.seed);
         let goals = goals_of(view, lights, photons, goals, settings.seed);
-        let (glimpses, of_glimpses) = aimed(view, &by_events(sights), &goals);
+        let (glimpses, of_glimpses) = aimed(view, &groups_of(sights), &goals);
         (Self { list: glimpses }, of_sights + of_glimpses)
     }
 
@@ -149,14 +150,18 @@ fn sights_at_random(view: &View, (count, max_edges): (u64, usize), seed: u64) ->
     (found.iter().filter_map(|(sight, _)| *sight).collect(), found.iter().map(|(_, rays)| rays).sum())
 }
 
-/// Rays with the same events together, the most frequent events of all.
-fn by_events(mut sights: Vec<Sight>) -> Vec<Vec<Sight>> {
-    sights.sort_by_key(|sight| sight.events);
-    let mut groups: Vec<_> = sights.chunk_by(|a, b| a.events == b.events).map(<[Sight]>::to_vec).collect();
+/// Rays that meet the same material first and have the same events together, the most frequent of all, along a curve that fills the film.
+fn groups_of(mut sights: Vec<Sight>) -> Vec<Vec<Sight>> {
+    sights.sort_by_key(|sight| (sight.events, sight.first));
+    let mut groups: Vec<_> = sights.chunk_by(|a, b| (a.events, a.first) == (b.events, b.first)).collect();
     groups.sort_by_key(|group| std::cmp::Reverse(group.len()));
-    groups.truncate(MOST_EVENTS);
-    groups.sort_by_key(|group| group[0].events);
-    groups
+    groups.truncate(MOST_GROUPS);
+    groups.sort_by_key(|group| (group[0].events, group[0].first));
+    let along = |group: &[Sight]| {
+        let points: Vec<_> = group.iter().map(|sight| sight.film.as_vec2().extend(0.0)).collect();
+        hilbert::order(&points).into_iter().map(|i| group[i as usize]).collect()
+    };
+    groups.into_iter().map(along).collect()
 }
 
 /// So many points of lights, each for an equal part of the power, and photons, with the distance to others around them.
@@ -180,10 +185,9 @@ fn goals_of(view: &View, lights: &LightRegion, photons: &Photons, count: usize, 
 fn aimed(view: &View, groups: &[Vec<Sight>], goals: &[Goal]) -> (Vec<Glimpse>, u64) {
     let aim = |(sights, number): (&Vec<Sight>, usize)| {
         let (before, goal) = (rays_traced(), &goals[number]);
-        let turns = TURNS.min(sights.len());
-        let by_turns = sights.iter().skip(number % turns).step_by(turns);
-        let nearest = by_turns.min_by(|a, b| goal.distance(&a.end).total_cmp(&goal.distance(&b.end)));
-        let glimpse = nearest.filter(|sight| goal.distance(&sight.end).is_finite()).and_then(|sight| {
+        let parts: Vec<_> = sights.chunks(sights.len().div_ceil(TURNS)).collect();
+        let nearest = parts[number % parts.len()].iter().min_by(|a, b| goal.distance(a).total_cmp(&goal.distance(b)));
+        let glimpse = nearest.and_then(|sight| {
             let (sight, slopes) = sight.aimed(view, goal)?;
             let glimpse = Glimpse::new(&sight, slopes, goal)?;
             let likely = 2.0 * goals.len() as f64 * sight.probability;
@@ -237,15 +241,15 @@ mod tests {
         for pair in of_mirror.chunks_exact(2) {
             let goal = Goal { at: pair[0].end.position.as_dvec3(), is_distant: false, extent: 1e-3 };
             let Some((sight, slopes)) = pair[1].aimed(view, &goal) else { continue };
-            assert!(goal.distance(&sight.end) < goal.extent && sight.events == pair[0].events);
+            assert!(goal.distance(&sight) < 1.0 && sight.events == pair[0].events);
             let glimpse = Glimpse::new(&sight, slopes, &goal).expect("a glimpse");
             let [first, below, second] = glimpse.root;
             found += 4;
             for v in [0.0_f32, 0.25, 0.5, 0.75] {
                 let about = turn(v).as_dvec2();
                 let edge = glimpse.middle + DVec2::new(first * about.x, below * about.x + second * about.y);
-                let end = Sight::new(view, (edge, 0), |number, _, _| sight.events.get(number)).map(|there| there.end);
-                let distance = end.map_or(f64::INFINITY, |end| goal.distance(&end)) / goal.extent;
+                let there = Sight::new(view, (edge, 0), |number, _, _| sight.events.get(number));
+                let distance = there.map_or(f64::INFINITY, |there| goal.distance(&there));
                 near += i32::from((0.5..2.0).contains(&distance));
             }
         }
