@@ -29,7 +29,7 @@ pub(super) struct Goal {
     pub(super) extent: f64,
 }
 
-/// A camera ray that comes through specular surfaces to one that is not, or to a light.
+/// A camera ray by way of specular surfaces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
     /// Material of the surface that it meets first.
@@ -43,8 +43,8 @@ pub(super) struct Sight {
     key: u64,
     /// Where its last part begins, and where to.
     last: [Vec3A; 2],
-    /// Where it ends.
-    pub(super) end: Vertex,
+    /// What it meets then; `None` if it leaves the scene.
+    pub(super) end: Option<Vertex>,
 }
 
 impl Goal {
@@ -55,14 +55,14 @@ impl Goal {
 
     /// Whether a ray towards it is not stopped before, and does not go on.
     fn is_met(&self, sight: &Sight) -> bool {
-        let end = sight.end.position.as_dvec3();
-        sight.end.is_distant() == self.is_distant && (end - self.at).length() <= NEAR[1] * self.extent
+        let near = |end: &Vertex| (end.position.as_dvec3() - self.at).length() <= NEAR[1] * self.extent;
+        sight.end.is_some_and(|end| !end.delta && end.is_distant() == self.is_distant && near(&end))
     }
 }
 
 impl Sight {
-    /// The ray of a key through a film point, at whose specular surfaces `refracts` chooses, if it has so many; `None` if it leaves the scene, or goes
-    /// on for ever.
+    /// The ray of a key through a film point, by the events that `refracts` chooses at specular surfaces until it says nothing; `None` if there
+    /// are too many.
     pub(super) fn new(
         view: &View,
         (film, key): (DVec2, u64),
@@ -74,23 +74,23 @@ impl Sight {
         let rng = &mut generator(key, Purpose::Sample, 0, 0, 0);
         let ray = view.camera.sample(film.as_vec2(), &view.camera.vertex());
         let mut last = [ray.origin, ray.direction()];
-        let (mut end, _) = view.scene.follow_camera_ray(last[0], last[1], rng)?;
-        let (first, mut events, mut probability) = (end.material, Events::default(), 1.0);
-        while end.delta {
+        let (start, _) = view.scene.follow_camera_ray(last[0], last[1], rng)?;
+        let (mut end, mut events, mut probability) = (Some(start), Events::default(), 1.0);
+        while let Some(x) = end.filter(|x| x.delta) {
             let to_eye = -last[1];
-            let refracts = refracts(events.len(), &end, to_eye)?;
+            let Some(refracts) = refracts(events.len(), &x, to_eye) else { break };
             events = events.with(refracts)?;
             let mut room = Resolved::default();
-            let surface = view.scene.surface(&end, &mut room);
+            let surface = view.scene.surface(&x, &mut room);
             let next = surface.delta_direction(to_eye, refracts)?;
             probability *= f64::from(surface.event_probability(to_eye, next));
-            last = [end.position, next];
-            (end, _) = view.scene.follow(&end, next, rng)?;
+            last = [x.position, next];
+            end = view.scene.follow(&x, next, rng).map(|(end, _)| end);
         }
-        Some(Self { first, events, probability, film, key, last, end })
+        Some(Self { first: start.material, events, probability, film, key, last, end })
     }
 
-    /// The ray through another film point with the same events.
+    /// The ray through another film point with the same events, wherever it ends.
     fn through(&self, view: &View, film: DVec2) -> Option<Self> {
         let moved = Self::new(view, (film, self.key), |number, _, _| self.events.get(number))?;
         ((moved.events, moved.first) == (self.events, self.first)).then_some(moved)
