@@ -179,9 +179,10 @@ fn shared_and_baked_copies_look_the_same() {
     }
 
     let rounds = 0..32;
-    let reference = replicas(&baked, SIZE, &settings(Method::Bidirectional, Whole, 64.0), rounds.clone());
+    // With fewer mutations a round's dark blocks are far from normal, as one chain in some shows the light of a glint.
+    let reference = replicas(&baked, SIZE, &settings(Method::Bidirectional, Whole, 256.0), rounds.clone());
     for stratification in [Whole, Grid(2, 2)] {
-        let chains = settings(Method::Metropolis, stratification, 64.0);
+        let chains = settings(Method::Metropolis, stratification, 1024.0);
         let [same, control] = [&shared, &wrong].map(|world| {
             let image = replicas(world, SIZE, &chains, rounds.clone()).in_blocks(SIZE, 4);
             image.p_value(&reference.in_blocks(SIZE, 4))
