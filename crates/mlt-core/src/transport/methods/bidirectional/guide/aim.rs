@@ -43,7 +43,7 @@ pub(super) struct Sight {
     key: u64,
     /// Where its last part begins, and where to.
     last: [Vec3A; 2],
-    /// What it meets then; `None` if it leaves the scene.
+    /// The vertex that it meets then; `None` if it leaves the scene.
     pub(super) end: Option<Vertex>,
 }
 

@@ -2,6 +2,7 @@
 
 use crate::transport::paths::PathVertex;
 use crate::transport::scene::{Resolved, View};
+use glam::Vec3A;
 
 /// Reflections and refractions from the eye on, until a surface that is not specular, or a light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -38,12 +39,18 @@ impl Events {
             if !x.vertex.delta {
                 break;
             }
-            let (normal, to_light) = (x.vertex.shading_normal, -vertices[i - 1].to_eye);
-            events = events.with(normal.dot(x.to_eye) * normal.dot(to_light) < 0.0)?;
+            let to_light = -vertices[i - 1].to_eye;
+            events = events.with(is_refraction(x, to_light))?;
             let mut room = Resolved::default();
             let surface = view.scene.surface(&x.vertex, &mut room);
             probability *= f64::from(surface.event_probability(x.to_eye, to_light));
         }
         Some((events, probability))
     }
+}
+
+/// Whether the light that a specular vertex joins to `to_eye` passes it.
+pub(super) fn is_refraction(x: &PathVertex, to_light: Vec3A) -> bool {
+    let normal = x.vertex.shading_normal;
+    normal.dot(x.to_eye) * normal.dot(to_light) < 0.0
 }

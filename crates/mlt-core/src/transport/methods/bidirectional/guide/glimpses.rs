@@ -1,8 +1,8 @@
 //! Where light that only chance meets is seen: film points and events of camera subpaths that come to it.
 //!
 //! A curved mirror shows a lamp as a glint, and a caustic as a bright spot at its rim, which may be a thousandth of a pixel. A reflection in
-//! glass may be one of ten thousand choices besides. Random camera subpaths meet either once in many renders, but surely end somewhere near: from
-//! there such light is aimed at ([`Sight`]). Glimpses are found: events e_k, from the eye on, and a lobe q_k of film points. A
+//! glass may be one of ten thousand choices besides. Random camera subpaths meet either once in many renders, but surely meet the surfaces that show
+//! it: from there it is aimed at ([`Sight`]). Glimpses are found: events e_k, from the eye on, and a lobe q_k of film points. A
 //! quarter of the camera subpaths take theirs from one of K glimpses, which makes a path with film point x and events e, which a subpath chooses with
 //! probability P,
 //!

@@ -11,7 +11,7 @@
 //!
 //! docs/theory-strata.md, section 8. Sources: [Jensen95], photons as a guide for path tracing; [KatoMcCullagh20], the distribution.
 
-use super::events::Events;
+use super::events::{Events, is_refraction};
 use super::tree::{Photon, Place, Tree};
 use crate::engine::{PILOT, Purpose, generator, uniform_f32};
 use crate::transport::geometry::Vertex;
@@ -113,9 +113,8 @@ fn photon(
         } else {
             step_from_light(&mut vertices, i, view, rng)?;
         }
-        if let Some([before, PathVertex { to_eye, .. }]) = vertices.get(i.wrapping_sub(1)..=i) {
-            let normal = vertices[i].vertex.shading_normal;
-            events = events.with(normal.dot(-before.to_eye) * normal.dot(*to_eye) < 0.0)?;
+        if i > 0 {
+            events = events.with(is_refraction(&vertices[i], -vertices[i - 1].to_eye))?;
         }
         let [from, x] = [vertices[i].vertex, vertices[i + 1].vertex];
         if !x.delta {
