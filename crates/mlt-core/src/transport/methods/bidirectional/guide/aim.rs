@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3, Vec3A};
 /// Step of differences, in widths of the film.
 const STEP: f64 = 1e-5;
 /// Most steps of Newton's method, and most halvings of each.
-const STEPS: [usize; 2] = [12, 6];
+const STEPS: [usize; 2] = [8, 4];
 /// |m| that is small enough, over the extent of the surroundings of y* as seen from o; and the distance of what the ray meets from y*, over
 /// their extent.
 const NEAR: [f64; 2] = [0.25, 4.0];
@@ -27,6 +27,8 @@ pub(super) struct Goal {
     pub(super) is_distant: bool,
     /// Extent of its surroundings: a length, or an angle in radians.
     pub(super) extent: f64,
+    /// Whether it is the place of a photon.
+    pub(super) is_photon: bool,
 }
 
 /// A camera ray by way of specular surfaces.

@@ -29,17 +29,18 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Camera rays for a sample of a round, and fewest and most of them: they take a small part of its time.
-const SIGHTS_PER_SAMPLE: f64 = 0.5;
+const SIGHTS_PER_SAMPLE: f64 = 1.0;
 const LIMITS: [f64; 2] = [1024.0, 65_536.0];
 /// Goals of each kind for a sample of a round, and fewest and most of them.
 const GOALS_PER_SAMPLE: f64 = 1.0 / 1024.0;
-const GOAL_LIMITS: [f64; 2] = [32.0, 256.0];
+const GOAL_LIMITS: [f64; 2] = [48.0, 256.0];
 /// Most groups of rays.
 const MOST_GROUPS: usize = 32;
 /// Least probability of events: no render has many more camera subpaths.
 const LEAST_PROBABILITY: f64 = 1e-7;
-/// Parts of the film that goals are aimed at from by turns, so that each of several balls shows them.
-const TURNS: usize = 16;
+/// Parts of the film that lights and every other photon are aimed at from by turns, so that each of several balls shows them: points of a small light
+/// would all begin with the same ray.
+const TURNS: usize = 48;
 /// Least and largest width of a lobe, in widths of the film.
 const WIDTHS: [f64; 2] = [4e-6, 0.05];
 /// Number of a round that nothing else has.
@@ -170,13 +171,15 @@ fn goals_of(view: &View, lights: &LightRegion, photons: &Photons, count: usize, 
     let of_lights = (0..count).filter_map(|i| {
         let (light, x) = view.scene.light_point(&lights.sample((i as f64 + uniform(rng)) / count as f64, uniform(rng)));
         let part = lights.power() / (count as f64 * view.scene.exitance(light, &x));
-        let goal = Goal { at: x.position.as_dvec3(), is_distant: x.is_distant(), extent: part.sqrt() };
+        let goal =
+            Goal { at: x.position.as_dvec3(), is_distant: x.is_distant(), extent: part.sqrt(), is_photon: false };
         x.can_be_met().then_some(goal)
     });
     let of_photons = photons.places(count).map(|(at, extent)| Goal {
         at: at.as_dvec3(),
         is_distant: false,
         extent: f64::from(extent),
+        is_photon: true,
     });
     of_lights.chain(of_photons).collect()
 }
@@ -186,7 +189,9 @@ fn aimed(view: &View, groups: &[Vec<Sight>], goals: &[Goal]) -> (Vec<Glimpse>, u
     let aim = |(sights, number): (&Vec<Sight>, usize)| {
         let (before, goal) = (rays_traced(), &goals[number]);
         let parts: Vec<_> = sights.chunks(sights.len().div_ceil(TURNS)).collect();
-        let nearest = parts[number % parts.len()].iter().min_by(|a, b| goal.distance(a).total_cmp(&goal.distance(b)));
+        let by_turns = !goal.is_photon || number.is_multiple_of(2);
+        let starts = if by_turns { parts[number % parts.len()] } else { sights.as_slice() };
+        let nearest = starts.iter().min_by(|a, b| goal.distance(a).total_cmp(&goal.distance(b)));
         let glimpse = nearest.and_then(|sight| {
             let (sight, slopes) = sight.aimed(view, goal)?;
             let glimpse = Glimpse::new(&sight, slopes, goal)?;
@@ -240,7 +245,7 @@ mod tests {
         let (mut found, mut near) = (0, 0);
         for pair in of_mirror.chunks_exact(2) {
             let Some(end) = pair[0].end else { continue };
-            let goal = Goal { at: end.position.as_dvec3(), is_distant: false, extent: 1e-3 };
+            let goal = Goal { at: end.position.as_dvec3(), is_distant: false, extent: 1e-3, is_photon: true };
             let Some((sight, slopes)) = pair[1].aimed(view, &goal) else { continue };
             assert!(goal.distance(&sight) < 1.0 && sight.events == pair[0].events);
             let glimpse = Glimpse::new(&sight, slopes, &goal).expect("a glimpse");

@@ -3,11 +3,15 @@
 //! Both are found once, by random numbers of their own, so rounds stay independent and unbiased whatever they tell.
 
 mod aim;
+mod clusters;
 mod events;
+mod fit;
 mod glimpses;
 mod lobe;
 mod photons;
+mod place;
 mod tree;
+mod walk;
 
 use crate::transport::lights::LightRegion;
 use crate::transport::methods::settings::Settings;
