@@ -62,7 +62,10 @@ fn measure<E: Estimator<3>>(estimator: &E, film: &mut Film<3>, blocks: usize) ->
             add += timed(|| film.add(&mut deposits)).1;
         }
         let ((), close) = timed(|| film.close_round(number, estimator.weight(number)));
-        let ((), tally) = timed(|| estimator.tally(&mut total, &prepared, tallies));
+        let ((), tally) = timed(|| {
+            estimator.tally(&mut total, &prepared, tallies);
+            estimator.tally_round(&mut total, &prepared);
+        });
         let samples = vec![samples / blocks as f64; blocks];
         Round { samples, add: add / tasks.len() as f64, tasks, close, tally }
     };

@@ -54,6 +54,15 @@ fn allocations(work: impl FnOnce()) -> u64 {
     ALLOCATIONS.get() - before
 }
 
+#[test]
+fn what_is_allocated_and_what_grows_is_counted() {
+    let mut list = Vec::new();
+    assert_eq!(allocations(|| list.reserve_exact(3)), 1);
+    list.extend([1, 2, 3]);
+    assert_eq!(allocations(|| list.reserve_exact(1000)), 1);
+    assert_eq!((list.as_slice(), allocations(|| drop(list.clone()))), (&[1, 2, 3][..], 1));
+}
+
 /// Forgets what it is given.
 struct Nowhere;
 

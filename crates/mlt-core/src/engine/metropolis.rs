@@ -187,6 +187,14 @@ where
     }
 }
 
+impl<P, S, M: Mutation<P, S>, I> Metropolis<'_, P, S, M, I> {
+    /// Makes room for the counts of all strata and mutations.
+    fn make_room(&self, total: &mut Tally) {
+        total.strata.resize_with(self.strata.len(), || StratumStats::new(self.mixture.mutations().len()));
+        total.mutations = self.mixture.mutations().iter().map(|mutation| mutation.name().into()).collect();
+    }
+}
+
 impl<const C: usize, P, S, M, I> Estimator<C> for Metropolis<'_, P, S, M, I>
 where
     P: Path<Splat = Splat<C>> + Send,
@@ -195,7 +203,8 @@ where
     I: Importance<P> + Sync,
 {
     type Prepared = Prepared;
-    type Task = StratumStats;
+    /// A chain's stratum and counts.
+    type Task = (usize, StratumStats);
     type Tally = Tally;
 
     fn prepare(&self, round: u64) -> Prepared {
@@ -211,7 +220,7 @@ where
         2 * self.strata.iter().map(|(_, share)| share.mutations).max().unwrap_or(0).min(CHAIN_LENGTH) as usize
     }
 
-    fn run(&self, prepared: &Prepared, task: usize, deposits: &mut Deposits<C>) -> StratumStats {
+    fn run(&self, prepared: &Prepared, task: usize, deposits: &mut Deposits<C>) -> (usize, StratumStats) {
         let before = (self.work)();
         let ChainTask { stratum, index, start, mutations } = prepared.chains[task];
         let stream = |purpose| generator(self.seed, purpose, prepared.round, stratum as u64, index);
@@ -240,21 +249,20 @@ where
         }
         stats.changed_starts = u64::from(weight != bootstrap.weight(start));
         stats.chain_work = (self.work)() - before;
-        stats
+        (stratum, stats)
     }
 
     fn weight(&self, _round: u64) -> u64 {
         1
     }
 
-    fn tally(&self, total: &mut Tally, prepared: &Prepared, tasks: Vec<StratumStats>) {
-        total.strata.resize_with(self.strata.len(), || StratumStats::new(self.mixture.mutations().len()));
-        total.mutations = self.mixture.mutations().iter().map(|mutation| mutation.name().into()).collect();
-        for (chain, stats) in prepared.chains.iter().zip(tasks) {
-            total.strata[chain.stratum].merge(&stats);
-        }
-        for (stats, bootstrap) in total.strata.iter_mut().zip(&prepared.bootstraps) {
-            bootstrap.count(stats);
-        }
+    fn tally(&self, total: &mut Tally, _: &Prepared, tasks: Vec<(usize, StratumStats)>) {
+        self.make_room(total);
+        tasks.iter().for_each(|(stratum, stats)| total.strata[*stratum].merge(stats));
+    }
+
+    fn tally_round(&self, total: &mut Tally, prepared: &Prepared) {
+        self.make_room(total);
+        total.strata.iter_mut().zip(&prepared.bootstraps).for_each(|(stats, bootstrap)| bootstrap.count(stats));
     }
 }

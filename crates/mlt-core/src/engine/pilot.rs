@@ -136,7 +136,7 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
         S: Stratum<P> + Sync,
         M: Mutation<P, S> + Sync,
         I: Importance<P> + Sync,
-        Self: Estimator<C, Prepared = Prepared, Task = StratumStats, Tally = Tally>,
+        Self: Estimator<C, Prepared = Prepared, Task = (usize, StratumStats), Tally = Tally>,
     {
         let count = rounds.end.saturating_sub(rounds.start);
         let (tally, visits) = self.visit(sites, rounds, watch)?;
@@ -166,7 +166,7 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
         S: Stratum<P> + Sync,
         M: Mutation<P, S> + Sync,
         I: Importance<P> + Sync,
-        Self: Estimator<C, Prepared = Prepared, Task = StratumStats, Tally = Tally>,
+        Self: Estimator<C, Prepared = Prepared, Task = (usize, StratumStats), Tally = Tally>,
     {
         let (mut tally, mut visits) = (Tally::default(), Vec::new());
         visits.resize_with(self.strata.len(), Vec::new);
@@ -189,6 +189,7 @@ impl<P, S, M, I> Metropolis<'_, P, S, M, I> {
                 visits[stratum].extend(sums.into_iter().map(|(site, sum)| Visits { site, round, share: sum / b }));
             }
             self.tally(&mut tally, &prepared, tallies);
+            self.tally_round(&mut tally, &prepared);
         }
         Some((tally, visits.into_par_iter().map(by_site).collect()))
     }

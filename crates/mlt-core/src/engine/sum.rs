@@ -76,4 +76,9 @@ impl<const C: usize, A: Estimator<C>, B: Estimator<C>> Estimator<C> for Sum<A, B
         self.0.tally(&mut total.0, a, of_a);
         self.1.tally(&mut total.1, b, of_b);
     }
+
+    fn tally_round(&self, total: &mut Self::Tally, (a, b): &Self::Prepared) {
+        self.0.tally_round(&mut total.0, a);
+        self.1.tally_round(&mut total.1, b);
+    }
 }

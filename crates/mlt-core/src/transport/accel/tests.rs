@@ -6,8 +6,19 @@ use std::f32::consts::TAU;
 
 type Triangle = [Vec3; 3];
 
-/// How many rays a watertightness test sends at each mesh.
-const RAYS: usize = if cfg!(debug_assertions) { 5_000 } else { 100_000 };
+/// How many rays a watertightness test sends at each mesh. Miri takes a tenth of a second for one.
+const RAYS: usize = if cfg!(miri) {
+    12
+} else if cfg!(debug_assertions) {
+    5_000
+} else {
+    100_000
+};
+
+/// `count`, or in Miri so many fewer.
+const fn or_in_miri(count: usize, fewer: usize) -> usize {
+    if cfg!(miri) { fewer } else { count }
+}
 
 fn uniform(rng: &mut Pcg32) -> f32 {
     (rng.next_u32() >> 8) as f32 / 16_777_216.0
@@ -146,10 +157,10 @@ fn a_far_origin_still_hits() {
 #[test]
 fn both_instruction_sets_give_the_same_bits() {
     let mut rng = Pcg32::seed_from_u64(5);
-    let mut triangles = soup(4000, 0.1, &mut rng);
-    triangles.extend(torus(30));
+    let mut triangles = soup(or_in_miri(4000, 20), 0.1, &mut rng);
+    triangles.extend(torus(or_in_miri(30, 3)));
     // Ties: neighbours that overlap exactly in part.
-    triangles.extend((0..50).map(|i| [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0 + i as f32, 0.0)]));
+    triangles.extend((0..or_in_miri(50, 5)).map(|i| [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0 + i as f32, 0.0)]));
     let fast = Accel::new(&triangles);
     let portable = Accel { instructions: InstructionSet::Portable(Portable), ..Accel::new(&triangles) };
     let bits = |hit: Option<Hit>| hit.map(|h| (h.primitive, h.t.to_bits(), h.u.to_bits(), h.v.to_bits()));
@@ -249,16 +260,26 @@ fn of_coincident_triangles_the_first_is_hit() {
     assert_eq!(hit.map(|hit| hit.primitive), Some(1));
 }
 
+/// A tree that was changed in a way that walks must not depend on.
+fn same_hits_after(change: impl FnOnce(&mut Accel)) {
+    let mut rng = Pcg32::seed_from_u64(8);
+    let triangles = soup(or_in_miri(500, 30), 0.2, &mut rng);
+    let (plain, mut changed) = (Accel::new(&triangles), Accel::new(&triangles));
+    change(&mut changed);
+    for _ in 0..RAYS {
+        let ray = random_ray(&mut rng);
+        assert_eq!(changed.closest(&ray), plain.closest(&ray));
+    }
+}
+
 #[test]
 fn a_tree_too_deep_for_the_local_stack_gives_the_same_hits() {
-    let mut rng = Pcg32::seed_from_u64(8);
-    let triangles = soup(500, 0.2, &mut rng);
-    let (shallow, mut deep) = (Accel::new(&triangles), Accel::new(&triangles));
-    (deep.tree.depth, deep.kind) = (10_000, Kind::Any);
-    for _ in 0..1000 {
-        let ray = random_ray(&mut rng);
-        assert_eq!(deep.closest(&ray), shallow.closest(&ray));
-    }
+    same_hits_after(|accel| (accel.tree.depth, accel.kind) = (10_000, Kind::Any));
+}
+
+#[test]
+fn a_tree_that_is_asked_for_ahead_of_its_use_gives_the_same_hits() {
+    same_hits_after(|accel| accel.tree.is_large = true);
 }
 
 #[test]

@@ -106,8 +106,12 @@ impl<E: Estimator<3>> Estimator<3> for Counting<'_, E> {
     }
 
     fn tally(&self, total: &mut Counts, prepared: &E::Prepared, tasks: Vec<E::Task>) {
-        total.pilot = self.pilot;
         self.estimator.tally((self.part)(total), prepared, tasks);
+    }
+
+    fn tally_round(&self, total: &mut Counts, prepared: &E::Prepared) {
+        total.pilot = self.pilot;
+        self.estimator.tally_round((self.part)(total), prepared);
     }
 }
 
