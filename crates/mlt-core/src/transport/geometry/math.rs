@@ -76,23 +76,31 @@ pub(crate) fn turn(u: f32) -> Vec2 {
     eighth_turn(FRAC_PI_2 * (4.0 * u - quarter as f32)).rotate(QUARTER_TURNS[quarter % 4])
 }
 
+/// Σ tᵢ xⁱ, by Estrin's scheme.
+#[inline(always)]
+fn polynomial(t: [f32; 8], x: f32) -> f32 {
+    let x2 = x * x;
+    let quarter = |i: usize| (t[i] + t[i + 1] * x) + x2 * (t[i + 2] + t[i + 3] * x);
+    quarter(0) + (x2 * x2) * quarter(4)
+}
+
 /// The angle in [0, π] whose cosine is `x`, to 10⁻⁶: √(1 − |x|) times a polynomial, the same bits on every machine, and no call.
 ///
 /// Source: Abramowitz & Stegun, "Handbook of Mathematical Functions", 4.4.46.
 #[inline]
 pub(crate) fn acos(x: f32) -> f32 {
     const TERMS: [f32; 8] = [
-        -0.001_262_491_1,
-        0.006_670_09,
-        -0.017_088_126,
-        0.030_891_88,
-        -0.050_174_305,
-        0.088_978_99,
-        -0.214_598_8,
         FRAC_PI_2,
+        -0.214_598_8,
+        0.088_978_99,
+        -0.050_174_305,
+        0.030_891_88,
+        -0.017_088_126,
+        0.006_670_09,
+        -0.001_262_491_1,
     ];
     let from_end = 1.0 - x.abs().min(1.0);
-    let angle = from_end.sqrt() * TERMS.iter().fold(0.0, |sum, term| sum * (1.0 - from_end) + term);
+    let angle = from_end.sqrt() * polynomial(TERMS, 1.0 - from_end);
     if x < 0.0 { PI - angle } else { angle }
 }
 
@@ -101,20 +109,20 @@ pub(crate) fn acos(x: f32) -> f32 {
 /// Source: Abramowitz & Stegun, 4.4.49.
 #[inline]
 pub(crate) fn atan2(y: f32, x: f32) -> f32 {
-    const TERMS: [f32; 9] = [
-        0.002_866_225_7,
-        -0.016_165_737,
-        0.042_909_61,
-        -0.075_289_64,
-        0.106_562_64,
-        -0.142_089,
-        0.199_935_51,
+    const TERMS: [f32; 8] = [
         -0.333_331_45,
-        1.0,
+        0.199_935_51,
+        -0.142_089,
+        0.106_562_64,
+        -0.075_289_64,
+        0.042_909_61,
+        -0.016_165_737,
+        0.002_866_225_7,
     ];
     let (across, along) = (y.abs(), x.abs());
     let slope = across.min(along) / across.max(along).max(f32::MIN_POSITIVE);
-    let angle = slope * TERMS.iter().fold(0.0, |sum, term| sum * (slope * slope) + term);
+    let square = slope * slope;
+    let angle = slope + slope * (square * polynomial(TERMS, square));
     let from_axis = if across > along { FRAC_PI_2 - angle } else { angle };
     (if x < 0.0 { PI - from_axis } else { from_axis }).copysign(y)
 }

@@ -90,7 +90,7 @@ impl LightRegion {
         let Some(number) = scene.lights().number(x_0.primitive) else { return 0.0 };
         let exitance = scene.lights().lights[number.0 as usize].mean_exitance();
         let receiver = Receiver::of_light(scene, x_0, x_1);
-        self.preference_of(self.light_sampler.density(&receiver, number, point), exitance)
+        self.preference_of(self.light_sampler.density(&receiver, number, || point.place()), exitance)
     }
 
     /// The same from d and M, both in the mean over the piece, as a piece's points are drawn in proportion to M.

@@ -17,7 +17,7 @@ use super::cell::Cell;
 use crate::transport::scene::{LightPoint, Lights};
 use bound::Bound;
 use directions::Directions;
-use glam::Vec4;
+use glam::{DVec2, Vec4};
 use node::Node;
 use tree::Tree;
 
@@ -73,25 +73,26 @@ impl LightSampler {
         (point, rest * density)
     }
 
-    /// The density that [`sample`](Self::sample) tells of a point that it draws, given also the point's light and the number of its
-    /// triangle within that light; 0 for a point that is not in the region.
+    /// The density that [`sample`](Self::sample) tells of a point that it draws, given the point's light and the number of its triangle
+    /// within that light; 0 for a point that is not in the region. Its place in the light's unit square is asked for only where the light is
+    /// not one cell.
     #[inline]
-    pub fn density(&self, receiver: &Receiver, number: (u32, u32), point: &LightPoint) -> f64 {
+    pub fn density(&self, receiver: &Receiver, number: (u32, u32), place: impl FnOnce() -> DVec2) -> f64 {
         if self.afar.len() > 0 {
-            return self.density_of_all(*receiver, number, point);
+            return self.density_of_all(*receiver, number, place);
         }
-        self.near.density(from_near(receiver), number, point)
+        self.near.density(from_near(receiver), number, place)
     }
 
     /// The same with distant lights among the others.
     #[inline(never)]
-    fn density_of_all(&self, receiver: Receiver, number: (u32, u32), point: &LightPoint) -> f64 {
+    fn density_of_all(&self, receiver: Receiver, number: (u32, u32), place: impl FnOnce() -> DVec2) -> f64 {
         let weigh = from_afar(&receiver);
         let share = self.share_from_afar(&receiver, &weigh);
         if self.afar.holds(number.0) {
-            share * self.afar.density(weigh, number, point)
+            share * self.afar.density(weigh, number, place)
         } else {
-            (1.0 - share) * self.near.density(from_near(&receiver), number, point)
+            (1.0 - share) * self.near.density(from_near(&receiver), number, place)
         }
     }
 
@@ -129,7 +130,6 @@ mod tests {
     use crate::transport::geometry::Vertex;
     use crate::transport::lights::region::LightRegion;
     use crate::transport::lights::strata::{LightStrata, Stratification};
-    use crate::transport::scene::Scene;
     use crate::transport::tests::worlds::{World, glass, lamps, lamps_and_sky, outdoors, rough_metal, suns};
     use glam::{DVec3, Vec2, Vec3A};
     use rand_pcg::rand_core::Rng;
@@ -155,8 +155,10 @@ mod tests {
         receiver.lit_side().1 || receiver.lit_side() == other.lit_side()
     }
 
-    fn number(scene: &Scene, point: &LightPoint) -> (u32, u32) {
-        scene.lights().number(scene.light_point(point).1.primitive).unwrap()
+    fn density_at(sampler: &LightSampler, receiver: &Receiver, point: &LightPoint) -> f64 {
+        let scene = receiver.scene;
+        let number = scene.lights().number(scene.light_point(point).1.primitive).unwrap();
+        sampler.density(receiver, number, || point.place())
     }
 
     /// All lights, some in one part of which the ball of light is cut, and parts of one or few pieces.
@@ -186,19 +188,14 @@ mod tests {
                     let to_eye = world.camera.vertex().position - vertex.position;
                     let receiver = Receiver { scene: &world.scene, vertex, towards: to_eye };
                     let (point, density) = tree.sample(&receiver, [u, v]);
-                    let again = tree.density(&towards(world, &vertex, &point), number(&world.scene, &point), &point);
+                    let again = density_at(tree, &towards(world, &vertex, &point), &point);
                     let same = (density / again - 1.0).abs() < 1e-6;
                     assert!(same || !lit(&receiver, &point), "{density} {again}");
                     let point = whole.sample(u, v);
                     let inside =
                         region.cells().iter().any(|c| c.light == point.light && c.holds([point.u, point.v].into()));
                     elsewhere += u32::from(!inside);
-                    assert!(
-                        inside
-                            || tree.density(&towards(world, &vertex, &point), number(&world.scene, &point), &point)
-                                == 0.0,
-                        "{point:?}"
-                    );
+                    assert!(inside || density_at(tree, &towards(world, &vertex, &point), &point) == 0.0, "{point:?}");
                 }
             }
         }
@@ -225,7 +222,7 @@ mod tests {
                     let [u, v] = points(&mut rng);
                     let point = region.sample(u, v);
                     let (light, source) = world.scene.light_point(&point);
-                    let density = tree.density(&receiver, number(&world.scene, &point), &point);
+                    let density = density_at(tree, &receiver, &point);
                     let to_vertex = match source.is_distant() {
                         true => -source.position,
                         false => (vertex.position - source.position).normalize(),

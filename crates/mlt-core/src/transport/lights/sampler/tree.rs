@@ -129,23 +129,32 @@ impl Tree {
         (place, probability, u)
     }
 
-    /// The density that [`sample`](Self::sample) tells of a point that it draws, given also the point's light and the number of its
-    /// triangle within that light; 0 for a point that is on none of the cells.
+    /// The density that [`sample`](Self::sample) tells of a point that it draws, given the point's light, the number of its triangle within
+    /// that light and its place in the light's unit square; 0 for a point that is on none of the cells.
     #[inline]
-    pub(super) fn density(&self, weigh: impl Fn(&Node) -> Vec4, number: (u32, u32), point: &LightPoint) -> f64 {
-        let Some(place) = self.place(number, point) else { return 0.0 };
+    pub(super) fn density(
+        &self,
+        weigh: impl Fn(&Node) -> Vec4,
+        number: (u32, u32),
+        place: impl FnOnce() -> DVec2,
+    ) -> f64 {
+        let Some(place) = self.place(number, place) else { return 0.0 };
         let (_, probability) = self.descend(weigh, |ends, _| ends.iter().filter(|&&end| place >= end).count());
         probability / self.leaves[place].measure
     }
 
     /// The place among the leaves of the piece that a point lies on.
     #[inline]
-    fn place(&self, (light, index): (u32, u32), point: &LightPoint) -> Option<usize> {
-        // What is met by chance may lie on the square's upper bounds.
-        let at = DVec2::new(point.u, point.v).min(DVec2::splat(1f64.next_down()));
+    fn place(&self, (light, index): (u32, u32), place: impl FnOnce() -> DVec2) -> Option<usize> {
         let run = self.cells.partition_point(|pieces| pieces.cell.light < light);
-        let holds = |pieces: &Pieces| pieces.cell.holds(at);
-        let cell = run + self.cells[run..].iter().take_while(|p| p.cell.light == light).position(holds)?;
+        let cell = if self.cells.get(run)?.cell == Cell::whole(light) {
+            run
+        } else {
+            // What is met by chance may lie on the square's upper bounds.
+            let at = place().min(DVec2::splat(1f64.next_down()));
+            let holds = |pieces: &Pieces| pieces.cell.holds(at);
+            run + self.cells[run..].iter().take_while(|p| p.cell.light == light).position(holds)?
+        };
         let Pieces { first, before, .. } = self.cells[cell];
         let end = self.cells.get(cell + 1).map_or(self.place.len(), |next| next.before as usize);
         // The two triangles of a parallelogram are one piece.

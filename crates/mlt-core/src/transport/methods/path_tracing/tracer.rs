@@ -171,12 +171,13 @@ impl PathTracer<'_> {
         let lights = scene.lights();
         if let (Some(pdf), Some(number)) = (pdf, lights.number(x.primitive))
             && emitted != Rgb::ZERO
-            && let Some(point) = lights.point(x.primitive, x.position)
         {
             let cos = x.geometric_normal.dot(to_eye).abs();
-            let relative = scene.relative_exitance(&lights.lights[number.0 as usize], &x, emitted);
+            let light = &lights.lights[number.0 as usize];
+            let relative = scene.relative_exitance(light, &x, emitted);
             let receiver = Receiver { scene, vertex: from, towards: -to_eye };
-            let drawn = self.light_sampler.density(&receiver, number, &point) * relative;
+            let place = || light.coordinates(number.1, x.position.into()).into();
+            let drawn = self.light_sampler.density(&receiver, number, place) * relative;
             return (emitted, power_heuristic(pdf * cos, drawn as f32));
         }
         (emitted, 1.0)

@@ -39,6 +39,14 @@ pub struct LightPoint {
     pub v: f64,
 }
 
+impl LightPoint {
+    /// Its coordinates.
+    #[inline]
+    pub fn place(&self) -> DVec2 {
+        DVec2::new(self.u, self.v)
+    }
+}
+
 /// The shape of a light.
 #[derive(Clone, Debug)]
 pub struct Light {

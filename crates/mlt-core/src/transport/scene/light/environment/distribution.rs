@@ -68,6 +68,12 @@ impl Distribution {
         it
     }
 
+    /// The radiance, where it is the same in all directions.
+    #[inline]
+    pub(super) fn even(&self) -> Option<Rgb> {
+        if let [pixel] = self.pixels[..] { Some(pixel.truncate()) } else { None }
+    }
+
     /// ∫ x dω of a quantity x that is interpolated as luminance is, from its sum over each row.
     pub(super) fn integral(&self, of_row: impl Fn(usize) -> f64) -> f64 {
         self.parts(of_row).sum()
@@ -128,6 +134,13 @@ impl Distribution {
         let ends = self.columns(column).map(|column| self.luminance_at(row, down, column));
         let share = (target - self.before(row, down, column)) / (0.5 * (ends[0] + ends[1]));
         Place { row, down, column, right: trapezium_inverse(ends, share) }
+    }
+
+    /// The column, in pixels from the centre of the first, and the height of a point of the unit square.
+    #[inline]
+    pub(super) fn column_and_height(&self, u: f64, v: f64) -> (f64, f64) {
+        let place = self.at(u, v);
+        (place.column as f64 + place.right, self.height(&place))
     }
 
     /// The point of the unit square of a place.

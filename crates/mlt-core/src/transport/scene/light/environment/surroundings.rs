@@ -7,7 +7,7 @@ use crate::transport::geometry::Sphere;
 use crate::transport::geometry::math::{acos, atan2, turn, unit};
 use crate::transport::scene::light::{Light, Piece, Shape};
 use glam::{DVec2, DVec3, Vec3, Vec3A};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 /// Rows and columns of samples of a piece, for the mean of its directions.
 const SAMPLES: u32 = 16;
@@ -49,10 +49,13 @@ impl Surroundings {
 
     /// The unit direction towards a point of the unit square.
     pub(crate) fn direction(&self, u: f64, v: f64) -> Vec3A {
-        let place = self.distribution.at(u, v);
-        let azimuth = azimuth(place.column as f64 + place.right, self.size[0]) / TAU - self.rotation;
+        let (column, z) = match self.distribution.even() {
+            // As of one pixel, without a search.
+            Some(_) => (v, 1.0 - 2.0 * u),
+            None => self.distribution.column_and_height(u, v),
+        };
+        let azimuth = azimuth(column, self.size[0]) * TAU.recip() - self.rotation;
         let around = turn(fraction(azimuth) as f32);
-        let z = self.distribution.height(&place);
         let radius = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt() as f32;
         unit(Vec3A::new(radius * around.x, z as f32, radius * around.y))
     }
@@ -73,13 +76,13 @@ impl Surroundings {
 
     /// Radiance from a unit direction.
     pub(crate) fn radiance(&self, direction: Vec3) -> Rgb {
-        self.distribution.radiance(&self.place(direction))
+        self.distribution.even().unwrap_or_else(|| self.distribution.radiance(&self.place(direction)))
     }
 
     fn place(&self, direction: Vec3) -> Place {
-        let polar = f64::from(acos(direction.y)) / PI;
+        let polar = f64::from(acos(direction.y)) * FRAC_1_PI;
         let columns = f64::from(self.size[0]);
-        let from_first = f64::from(atan2(direction.z, direction.x)) / TAU + 0.5 + self.rotation - 0.5 / columns;
+        let from_first = f64::from(atan2(direction.z, direction.x)) * TAU.recip() + 0.5 + self.rotation - 0.5 / columns;
         self.distribution.place(f64::from(direction.y), polar, fraction(from_first))
     }
 }
