@@ -263,7 +263,7 @@ fn of_coincident_triangles_the_first_is_hit() {
 /// A tree that was changed in a way that walks must not depend on.
 fn same_hits_after(change: impl FnOnce(&mut Accel)) {
     let mut rng = Pcg32::seed_from_u64(8);
-    let triangles = soup(or_in_miri(500, 30), 0.2, &mut rng);
+    let triangles = soup(or_in_miri(500, 250), 0.2, &mut rng);
     let (plain, mut changed) = (Accel::new(&triangles), Accel::new(&triangles));
     change(&mut changed);
     for _ in 0..RAYS {
