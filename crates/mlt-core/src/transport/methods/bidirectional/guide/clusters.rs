@@ -16,7 +16,7 @@ const MOST: usize = 16;
 #[derive(Clone, Copy, Debug)]
 enum Cluster {
     Many(Fit),
-    /// The one in the middle of a few.
+    /// The centre of a few.
     Few(Photon),
 }
 

@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3A};
 const RIDGE: f64 = 1e-4;
 /// Monomials of the coordinates u and v of a place that a fit takes: 1, u, v, and with enough photons u², uv and v², too.
 const MONOMIALS: [usize; 2] = [3, 6];
-/// Fewest photons of a fit.
+/// Fewest photons that tell the width of a fit.
 pub(super) const FEWEST: usize = MONOMIALS[1] + 1;
 
 /// Directions as a function of the second degree of the place.

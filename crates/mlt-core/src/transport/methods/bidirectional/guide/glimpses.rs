@@ -165,7 +165,7 @@ fn groups_of(mut sights: Vec<Sight>) -> Vec<Vec<Sight>> {
     groups.into_iter().map(along).collect()
 }
 
-/// So many points of lights, each for an equal part of the power, and photons, with the distance to others around them.
+/// So many points of lights, each for an equal part of the power, and photons, with the extent of those that they stand for.
 fn goals_of(view: &View, lights: &LightRegion, photons: &Photons, count: usize, seed: u64) -> Vec<Goal> {
     let rng = &mut generator(seed, Purpose::Sample, ROUND + 1, 0, 0);
     let of_lights = (0..count).filter_map(|i| {

@@ -52,7 +52,7 @@ impl Photons {
         let (walks, walker) = (walks / 2, Walker { view, lights, max_edges: settings.most_edges() });
         let rng = |kind, i| generator(settings.seed, Purpose::Sample, ROUND, kind, i);
         let (found, rays) = walked(walks, |i| walker.any(i.is_multiple_of(2), &mut rng(0, i)));
-        let parent = |i| &found[(i as usize * found.len()) / walks as usize];
+        let parent = |i| &found[(i * found.len() as u64 / walks) as usize];
         let more = if found.is_empty() { 0 } else { walks };
         let (near, rays_near) = walked(more, |i| walker.near(parent(i), &mut rng(1, i)));
         let all = found.iter().chain(&near).map(|walk| (walk.way(), walk.photon)).collect();

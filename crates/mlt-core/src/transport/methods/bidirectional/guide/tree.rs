@@ -1,6 +1,6 @@
 //! Photons by places, and the directions that they tell of.
 //!
-//! A k-d tree over places and normals has leaves of a few photons each, and a linear [`Fit`] of the directions in each; parts of some hundred
+//! A k-d tree over places and normals has leaves of a few photons each, and a [`Fit`] of the directions in each; parts of some hundred
 //! photons have [`Clusters`] of them.
 //!
 //! docs/theory-strata.md, section 8.
@@ -34,13 +34,13 @@ pub(super) struct Tree {
 enum Node {
     /// Places with a coordinate below this one are in the next node, others in the one of this number. Axes from 3 on are the normal's.
     Halves { axis: usize, at: f32, other: usize },
-    /// What the photons of the next node tell together.
+    /// Clusters of the photons of the next node.
     Around(Clusters),
     /// The photons of these numbers, and their fit.
     Leaf(Range<usize>, Fit),
 }
 
-/// What is known at a place.
+/// Knowledge of a place.
 pub(super) struct Near<'a> {
     x: Vec3A,
     photons: &'a [Photon],
@@ -62,8 +62,8 @@ impl Tree {
         self.photons.len()
     }
 
-    /// Places of about so many photons, evenly among those that lie around one another, with the root of the mean square of their distance
-    /// from the middle of the photons around.
+    /// Places of about so many photons, evenly among those that lie around one another, with the extent of those that each stands for:
+    /// the root of the mean square of their distances from their middle.
     pub(super) fn places(&self, count: usize) -> impl Iterator<Item = (Vec3A, f32)> {
         let step = self.photons.len().div_ceil(count).max(1);
         let of_leaf = |node: &Node| match node {
@@ -77,7 +77,7 @@ impl Tree {
         })
     }
 
-    /// What is known at x.
+    /// The knowledge of x.
     pub(super) fn near(&self, x: &Vertex) -> Near<'_> {
         let (x, mut node, mut around) = (Place::of(x), 0, None);
         loop {
@@ -161,7 +161,7 @@ fn halves(photons: &mut [Photon], size: f32) -> Option<(usize, usize, f32)> {
         0 => photons.partition_point(|photon| coordinate(photon) <= median),
         below => below,
     };
-    photons.get(middle).map(|first| (middle, axis, coordinate(first)))
+    photons.get(middle).filter(|_| middle > 0).map(|first| (middle, axis, coordinate(first)))
 }
 
 /// The box of some vectors.

@@ -26,7 +26,7 @@ pub(super) struct Walk {
     pub(super) photon: Photon,
 }
 
-/// What photons of one tree have in common: events, and the material that they come from.
+/// Events and the material of the last specular vertex, which photons of one tree share.
 pub(super) type Way = (Events, u32);
 
 impl Walk {
@@ -63,7 +63,7 @@ impl Walker<'_> {
         self.follow(x_0, ray, if even { Choice::Even } else { Choice::Scattered }, rng)
     }
 
-    /// A walk by the same events as another one, from the same point in nearly the same direction; from nearly the same point of the disc for a
+    /// A walk by the events of another one, or the first of them, from the same point in nearly the same direction; from nearly the same point of the disc for a
     /// distant light.
     pub(super) fn near(&self, other: &Walk, rng: &mut impl Rng) -> Option<Walk> {
         let (origin, direction, length) = other.edge;
