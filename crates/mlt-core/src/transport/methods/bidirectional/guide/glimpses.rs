@@ -33,7 +33,7 @@ const SIGHTS_PER_SAMPLE: f64 = 1.0;
 const LIMITS: [f64; 2] = [1024.0, 65_536.0];
 /// Goals of each kind for a sample of a round, and fewest and most of them.
 const GOALS_PER_SAMPLE: f64 = 1.0 / 1024.0;
-const GOAL_LIMITS: [f64; 2] = [48.0, 256.0];
+const GOAL_LIMITS: [f64; 2] = [80.0, 256.0];
 /// Most groups of rays.
 const MOST_GROUPS: usize = 32;
 /// Least probability of events: no render has many more camera subpaths.
@@ -189,8 +189,11 @@ fn aimed(view: &View, groups: &[Vec<Sight>], goals: &[Goal]) -> (Vec<Glimpse>, u
     let aim = |(sights, number): (&Vec<Sight>, usize)| {
         let (before, goal) = (rays_traced(), &goals[number]);
         let parts: Vec<_> = sights.chunks(sights.len().div_ceil(TURNS)).collect();
-        let by_turns = !goal.is_photon || number.is_multiple_of(2);
-        let starts = if by_turns { parts[number % parts.len()] } else { sights.as_slice() };
+        let starts = match goal.is_photon {
+            true if number.is_multiple_of(2) => parts[number / 2 % parts.len()],
+            true => sights.as_slice(),
+            false => parts[number % parts.len()],
+        };
         let nearest = starts.iter().min_by(|a, b| goal.distance(a).total_cmp(&goal.distance(b)));
         let glimpse = nearest.and_then(|sight| {
             let (sight, slopes) = sight.aimed(view, goal)?;
