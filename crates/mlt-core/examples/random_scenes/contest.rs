@@ -22,7 +22,6 @@ const MORE: f64 = 8.0;
 const STEPS: usize = 5;
 const MOST: f64 = (1 << (3 * STEPS)) as f64;
 /// Standard errors by which two methods may differ before they are rendered anew, and in the end.
-const DOUBT: f64 = 4.0;
 const FAULT: f64 = 5.0;
 /// Difference that rounding may make, relative to the whole image: a part that is darker than this is black to whoever looks at it.
 const ROUNDING: f64 = 1e-5;
@@ -102,7 +101,7 @@ impl Contest {
         let estimates: Vec<_> = renders.iter().map(Estimate::of).collect();
         self.count(&estimates);
         for (method, estimate) in estimates.iter().enumerate() {
-            if estimates[REFERENCE].distance(estimate).0 > DOUBT {
+            if estimates[REFERENCE].distance(estimate).0 > FAULT {
                 faults.extend(self.settle(view, [&settings[REFERENCE], &settings[method]]));
             }
         }
@@ -134,7 +133,7 @@ impl Contest {
             };
             let [a, b] = pair.map(|settings| Estimate::of(&self.render(view, &settings.clone().with(more))));
             let (distance, mean) = a.distance(&b);
-            if distance <= if samples < MOST { DOUBT } else { FAULT } {
+            if distance <= FAULT {
                 return None;
             }
             if samples >= MOST {

@@ -5,8 +5,8 @@
 //!     cargo run --release -p mlt-core --example random_scenes -- seeds FIRST COUNT   # the default method's errors over seeds
 //!
 //! Rooms have numbers, which decide all of them. Images of 8×8 pixels are compared by the means of the whole and of its quarters, channel
-//! by channel. Where two methods differ by more than 4 standard errors both are rendered anew with eight times the samples, and so on up to
-//! 32768 times; those that then differ by more than 5 are reported. So is what is negative or not finite, a sign of a wrong
+//! by channel. Where two methods differ by more than 5 standard errors both are rendered anew with eight times the samples, and so on up to
+//! 32768 times; those that then still differ as much are reported. So is what is negative or not finite, a sign of a wrong
 //! image in the counts, a panic, and an image of other bits on two threads. A report ends the study with an error.
 //!
 //! At the end stands, for each method, the mean over all rooms of its difference from bidirectional path tracing: of faults that are too

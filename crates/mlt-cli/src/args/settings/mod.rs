@@ -19,6 +19,8 @@ use crate::Failure;
 
 /// The name in a file of what has none on the command line.
 const SCENE: &str = "file";
+/// The options that name a file of options.
+const FILES: [&str; 2] = ["--config", "--like"];
 /// Options that only a command line has.
 const OF_THE_LINE: [&str; 4] = ["config", "like", "help", "verbose"];
 /// Options that say when a render ends, and those that go with them in an image's record.
@@ -30,7 +32,12 @@ type Setting = (String, Vec<String>);
 
 /// The words of a command line of `mlt render` with those of the files that it names.
 pub(super) fn with_files(words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
+    let names_a_file = |word: &OsString| FILES.iter().any(|name| word.as_encoded_bytes().starts_with(name.as_bytes()));
     let Some(at) = words.iter().position(|word| word == "render") else { return Ok(words) };
+    // Most lines name no file, and the grammar takes longer to build than to use.
+    if !words.iter().any(names_a_file) {
+        return Ok(words);
+    }
     // What is wrong with the line is told by whoever parses it in the end.
     let matches = Cli::command().ignore_errors(true).try_get_matches_from(&words);
     let Some(given) = matches.as_ref().ok().and_then(|matches| matches.subcommand_matches("render")) else {
