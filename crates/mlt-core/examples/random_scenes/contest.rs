@@ -100,9 +100,10 @@ impl Contest {
         }
         let estimates: Vec<_> = renders.iter().map(Estimate::of).collect();
         self.count(&estimates);
+        let mut reference = Vec::new();
         for (method, estimate) in estimates.iter().enumerate() {
             if estimates[REFERENCE].distance(estimate).0 > FAULT {
-                faults.extend(self.settle(view, [&settings[REFERENCE], &settings[method]]));
+                faults.extend(self.settle(view, [&settings[REFERENCE], &settings[method]], &mut reference));
             }
         }
         if faults.is_empty() { Outcome::Agreement } else { Outcome::Faults(faults) }
@@ -122,22 +123,27 @@ impl Contest {
         }
     }
 
-    /// Renders two methods anew, with more and more samples, until they agree; the disagreement that is left.
-    fn settle(&mut self, view: View, pair: [&Settings; 2]) -> Option<String> {
+    /// Renders a method and the reference anew, with more and more samples, until they agree; the disagreement that is left. `references`:
+    /// what other methods have had made of the reference in this room, step by step.
+    fn settle(&mut self, view: View, pair: [&Settings; 2], references: &mut Vec<Estimate>) -> Option<String> {
         let mut samples = MORE;
-        loop {
-            self.doubts[libm::log2(samples) as usize / 3 - 1] += 1;
+        for step in 0..STEPS {
+            self.doubts[step] += 1;
             let more = |settings: &mut Settings| {
                 settings.seed += samples as u64;
                 settings.per_pixel *= samples;
             };
-            let [a, b] = pair.map(|settings| Estimate::of(&self.render(view, &settings.clone().with(more))));
+            let render = |settings: &Settings| Estimate::of(&self.render(view, &settings.clone().with(more)));
+            if references.len() == step {
+                references.push(render(pair[0]));
+            }
+            let (a, b) = (&references[step], render(pair[1]));
             let (distance, mean) = a.distance(&b);
             if distance <= FAULT {
                 return None;
             }
-            if samples >= MOST {
-                let [a, b] = [a, b].map(|estimate| estimate.0[mean]);
+            if step + 1 == STEPS {
+                let [a, b] = [a, &b].map(|estimate| estimate.0[mean]);
                 return Some(format!(
                     "{distance:.1} standard errors apart in mean {mean}: {:.6} ± {:.6} and {:.6} ± {:.6}: {:?}",
                     a.0, a.1, b.0, b.1, pair[1]
@@ -145,6 +151,7 @@ impl Contest {
             }
             samples *= MORE;
         }
+        None
     }
 
     fn render(&self, view: View, settings: &Settings) -> Sums {
