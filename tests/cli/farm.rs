@@ -128,6 +128,19 @@ fn submit(folder: &TempDir, script: &str, said: &str) {
     shell(folder, &format!("test \"$(sh submit.sh)\" = '{said}'"));
 }
 
+#[test]
+fn a_job_of_more_parts_than_rounds_makes_a_round_for_each() {
+    let folder = folder();
+    let script = |line: &str| {
+        let output = command(folder.path(), &format!("farm slurm {line}")).stdout(Stdio::piped()).output();
+        String::from_utf8(output.expect("mlt starts").stdout).expect("text")
+    };
+    let job = script("--shards 100 -- cornell --samples-per-pixel 1024");
+    assert!(job.contains("cornell --samples-per-pixel 1024 --rounds=100"), "{job}");
+    let job = script("--shards 4 -- cornell --samples-per-pixel 1024");
+    assert!(job.contains("1024") && !job.contains("--rounds"), "{job}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_slurm_job_renders_the_bits_of_one_machine() {

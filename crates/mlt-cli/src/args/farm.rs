@@ -65,7 +65,7 @@ pub struct TaskOptions {
 }
 
 /// A render, and where its parts go.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct PartedOptions {
     /// Folder for the parts, or for the sums of the frames; SCENE.parts in the current folder if not given
     #[arg(long, value_name = "DIR")]

@@ -50,18 +50,23 @@ pub(super) struct Job {
 impl Job {
     /// Finds what is wrong with a job before anything is submitted.
     pub(super) fn new(options: &JobOptions) -> Result<Self, Failure> {
-        let render = options_of(options.shards.map(|count| Shard::new(1, count)), &options.render)?;
+        let mut of_render = options.render.clone();
+        let mut render = options_of(options.shards.map(|count| Shard::new(1, count)), &of_render)?;
+        if let Some(count) = options.shards.filter(|count| needs_more_rounds(&render, *count)) {
+            of_render.words.push(format!("--rounds={count}"));
+            render = options_of(Some(Shard::new(1, count)), &of_render)?;
+        }
         check(&render)?;
         let tasks = Tasks::of(options.shards, &render)?;
         let folder = std::env::current_dir().context("cannot find the current folder")?;
         let outputs = render.images();
         let outputs = outputs.iter().map(|output| Ok(format!("-o {}", word(&output.path)?)));
-        let words = options.render.words.iter().map(|text| word(Path::new(text)));
+        let words = of_render.words.iter().map(|text| word(Path::new(text)));
         Ok(Self {
             tasks,
             threads: render.threads.map(std::num::NonZeroUsize::get),
             folder: word(&folder)?,
-            parts: word(&parts_folder(&options.render, &render))?,
+            parts: word(&parts_folder(&of_render, &render))?,
             render: words.collect::<Result<Vec<_>, Failure>>()?.join(" "),
             outputs: outputs.collect::<Result<Vec<_>, Failure>>()?.join(" "),
         })
@@ -116,6 +121,11 @@ impl Tasks {
             ))),
         }
     }
+}
+
+/// Whether a render by itself has fewer rounds than there are parts, and nobody says how many.
+fn needs_more_rounds(render: &RenderOptions, parts: u64) -> bool {
+    render.rounds.is_none() && Plan::new(render, None).rounds.is_some_and(|rounds| rounds < parts)
 }
 
 /// The options of a render, or of a part of it.

@@ -10,7 +10,7 @@ use crate::{
     args::{kept::Shard, render::RenderOptions, transport::Method},
 };
 
-/// Rounds of a render whose budget says nothing else.
+/// Rounds of chains whose budget says nothing else.
 const ROUNDS: u64 = 16;
 /// Rounds of chains that a time budget aims at.
 const TIMED_ROUNDS: f64 = 16.0;
@@ -64,9 +64,9 @@ impl Plan {
         if let (Some(held), None) = (self.per_pixel, self.rounds) {
             return Self { rounds: Some((total / held).round().max(1.0) as u64), ..self };
         }
-        let most = if self.method.mutates() { u64::MAX } else { (total as u64).max(1) };
-        let usual = ROUNDS.max((total / self.largest_round()).ceil() as u64);
-        let rounds = self.rounds.unwrap_or(usual.min(most));
+        let usual =
+            if self.method.mutates() { ROUNDS.max((total / LARGEST_CHAINS).ceil() as u64) } else { rounds_of(total) };
+        let rounds = self.rounds.unwrap_or(usual);
         // A short mantissa, so that the total of any number of rounds, as text, leads back to the same size.
         let per_pixel = f64::from((total / rounds as f64) as f32);
         Self { per_pixel: Some(per_pixel), rounds: Some(rounds), ..self }
@@ -149,6 +149,14 @@ impl Plan {
     }
 }
 
+/// Rounds for `total` samples a pixel. Well-stratified samples gain from being many in a round, and the first 2^k points of a sequence are
+/// the best spread, so these are the fewest that tell the error or, if that makes 2^k samples a round, up to twice as many.
+fn rounds_of(total: f64) -> u64 {
+    let fewest = (total / LARGEST_SAMPLES).ceil().max(TRUSTED_ROUNDS as f64).min(total.floor()).max(1.0);
+    let of_power = total / (total / fewest).log2().floor().exp2();
+    if of_power.fract() == 0.0 { of_power as u64 } else { fewest as u64 }
+}
+
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let unit = self.method.unit();
@@ -162,6 +170,30 @@ impl fmt::Display for Plan {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn samples_are_many_in_a_round() {
+        for (total, rounds) in [
+            (0.5, 1),
+            (1.0, 1),
+            (3.0, 3),
+            (8.0, 8),
+            (9.0, 9),
+            (12.0, 12),
+            (32.0, 8),
+            (64.0, 8),
+            (72.0, 9),
+            (100.0, 8),
+            (288.0, 9),
+            (1000.0, 8),
+            (8192.0, 8),
+            (16384.0, 16),
+            (20000.0, 20),
+            (1e6, 977),
+        ] {
+            assert_eq!(rounds_of(total), rounds, "{total}");
+        }
+    }
 
     #[test]
     fn an_error_that_is_missed_is_told() {
