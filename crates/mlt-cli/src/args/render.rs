@@ -133,8 +133,8 @@ pub struct RenderOptions {
     /// Stop after this many mutations per pixel (mlt, pssmlt, mmlt)
     #[arg(long, value_name = "N", value_parser = per_pixel, help_heading = heading::RESEARCH, hide_short_help = true)]
     pub mutations_per_pixel: Option<f64>,
-    /// Share the budget out to this many rounds: independent renders of the whole image, averaged. 16 or more if not given; a
-    /// round of auto, bdpt or pt takes one sample of every pixel at least
+    /// Share the budget out to this many rounds: independent renders of the whole image, averaged. If not given, 16 or more, or
+    /// 8 or more of pt and bdpt; a round of auto, bdpt or pt takes one sample of every pixel at least
     #[arg(long, value_name = "N", help_heading = heading::RESEARCH, hide_short_help = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=MAX_ROUNDS))]
     pub rounds: Option<u64>,

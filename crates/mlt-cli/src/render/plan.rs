@@ -10,7 +10,7 @@ use crate::{
     args::{kept::Shard, render::RenderOptions, transport::Method},
 };
 
-/// Rounds of chains whose budget says nothing else.
+/// Rounds of a render with chains whose budget says nothing else.
 const ROUNDS: u64 = 16;
 /// Rounds of chains that a time budget aims at.
 const TIMED_ROUNDS: f64 = 16.0;
@@ -64,8 +64,13 @@ impl Plan {
         if let (Some(held), None) = (self.per_pixel, self.rounds) {
             return Self { rounds: Some((total / held).round().max(1.0) as u64), ..self };
         }
-        let usual =
-            if self.method.mutates() { ROUNDS.max((total / LARGEST_CHAINS).ceil() as u64) } else { rounds_of(total) };
+        let usual = match self.method {
+            Method::Pt | Method::Bdpt => rounds_of(total),
+            method => {
+                let most = if method.mutates() { u64::MAX } else { (total as u64).max(1) };
+                ROUNDS.max((total / self.largest_round()).ceil() as u64).min(most)
+            }
+        };
         let rounds = self.rounds.unwrap_or(usual);
         // A short mantissa, so that the total of any number of rounds, as text, leads back to the same size.
         let per_pixel = f64::from((total / rounds as f64) as f32);
