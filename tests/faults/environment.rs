@@ -119,7 +119,7 @@ fn the_background_is_seen_or_not_and_lights_in_either_case() {
 fn a_wrong_radiance_is_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = scene(folder.path(), false);
-    render(&scene, &format!("{DOWN} --environment 1.98,1.98,1.98 --method pt --samples-per-pixel 64"))
+    render(&scene, &format!("{DOWN} --environment 1.98,1.98,1.98 --method pt --samples-per-pixel 1024"))
         .expect_b(1.0, 1e-3);
 }
 

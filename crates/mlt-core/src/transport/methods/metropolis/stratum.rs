@@ -128,8 +128,7 @@ impl<'a> LightStratum<'a> {
     /// A uniform point of the stratum's part of the image, where the camera's end of a path is drawn again.
     #[inline]
     pub(crate) fn image_point(&self, rng: &mut impl Rng) -> Vec2 {
-        let [low, high] = self.image_corners();
-        low + (high - low) * Vec2::new(uniform_f32(rng), uniform_f32(rng))
+        point_between(self.image_corners(), Vec2::new(uniform_f32(rng), uniform_f32(rng)))
     }
 
     /// The corners of that part with the smallest and the largest coordinates.
@@ -201,6 +200,12 @@ impl Stratum<LightPath> for LightStratum<'_> {
     }
 }
 
+/// The point of a rectangle between two corners at a place in [0, 1)². Rounding would put a few on the far sides, which belong to the next rectangle.
+fn point_between([low, high]: [Vec2; 2], place: Vec2) -> Vec2 {
+    let last = Vec2::new(high.x.next_down(), high.y.next_down());
+    (low + (high - low) * place).min(last)
+}
+
 /// Strata whose samples of what is met by chance follow a guide.
 pub(crate) fn guided<'a>(strata: Vec<LightStratum<'a>>, guide: &'a Guide) -> Vec<LightStratum<'a>> {
     strata.into_iter().map(|stratum| LightStratum { guide: Some(guide), ..stratum }).collect()
@@ -255,6 +260,22 @@ mod tests {
             let wrong = z(&halves[0], &whole[0]);
             assert!(wrong.abs() > 4.0, "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_part_of_the_image_holds_its_points() {
+        let largest = 1.0 - f32::EPSILON / 2.0;
+        for parts in 1..9 {
+            for part in 0..parts {
+                let [low, high] = [part, part + 1].map(|side| side as f32 / parts as f32);
+                let corners = [Vec2::new(low, 0.0), Vec2::new(high, 1.0)];
+                for x in [0.0, 0.5, largest].map(|place| point_between(corners, Vec2::splat(place))) {
+                    assert!(x.cmpge(corners[0]).all() && x.cmplt(corners[1]).all(), "{x} of {corners:?}");
+                }
+            }
+        }
+        // The control: by the formula alone, the largest number lies beyond.
+        assert!(0.5 + 0.5 * largest >= 1.0);
     }
 
     /// With one part of the lights, images of lights are a class; with more, all that is met by chance is apart.
