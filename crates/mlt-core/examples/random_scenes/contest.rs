@@ -126,7 +126,7 @@ impl Contest {
     /// Renders a method and the reference anew, with more and more samples, until they agree; the disagreement that is left. `references`:
     /// what other methods have had made of the reference in this room, step by step.
     fn settle(&mut self, view: View, pair: [&Settings; 2], references: &mut Vec<Estimate>) -> Option<String> {
-        let mut samples = MORE;
+        let (mut samples, mut disagreement) = (MORE, None);
         for step in 0..STEPS {
             self.doubts[step] += 1;
             let more = |settings: &mut Settings| {
@@ -142,16 +142,14 @@ impl Contest {
             if distance <= FAULT {
                 return None;
             }
-            if step + 1 == STEPS {
-                let [a, b] = [a, &b].map(|estimate| estimate.0[mean]);
-                return Some(format!(
-                    "{distance:.1} standard errors apart in mean {mean}: {:.6} ± {:.6} and {:.6} ± {:.6}: {:?}",
-                    a.0, a.1, b.0, b.1, pair[1]
-                ));
-            }
+            let [a, b] = [a, &b].map(|estimate| estimate.0[mean]);
+            disagreement = Some(format!(
+                "{distance:.1} standard errors apart in mean {mean}: {:.6} ± {:.6} and {:.6} ± {:.6}: {:?}",
+                a.0, a.1, b.0, b.1, pair[1]
+            ));
             samples *= MORE;
         }
-        None
+        disagreement
     }
 
     fn render(&self, view: View, settings: &Settings) -> Sums {
